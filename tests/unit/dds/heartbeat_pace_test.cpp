@@ -50,6 +50,19 @@ TEST(HeartbeatPace, SendsFewToAReaderWhoseAnswersTakeLong) {
   EXPECT_LE(heartbeats(pace, seconds{1}, seconds{11}, milliseconds{200}), 50) << "5 a second";
 }
 
+TEST(HeartbeatPace, KnowsTheDelayFromTheFirstAnswer) {
+  HeartbeatPace pace;
+  heartbeats(pace, seconds{0}, milliseconds{605}, milliseconds{600});
+  EXPECT_EQ(pace.round_trip(), milliseconds{600});
+}
+
+TEST(HeartbeatPace, BeginsWithTheRoundTripOfAnotherWriter) {
+  HeartbeatPace first;
+  heartbeats(first, seconds{0}, seconds{5}, milliseconds{200});
+  HeartbeatPace second{first.round_trip()};
+  EXPECT_LE(heartbeats(second, seconds{5}, seconds{6}, milliseconds{200}), 6) << "from the first on";
+}
+
 TEST(HeartbeatPace, NewSamplesCauseNoMoreHeartbeatsOnceTheDelayIsKnown) {
   HeartbeatPace pace;
   heartbeats(pace, seconds{0}, seconds{5}, milliseconds{200}, milliseconds{100});

@@ -24,6 +24,9 @@ class HeartbeatPace {
   static constexpr Nanoseconds kLongest = std::chrono::seconds{1};
   static constexpr Nanoseconds kLongestGuess = std::chrono::milliseconds{200};
 
+  /// `round_trip` is that of another writer for a reader of the same participant; 0: not known.
+  explicit HeartbeatPace(Nanoseconds round_trip = Nanoseconds{0}) : round_trip_(round_trip) {}
+
   /// Returns true if the writer is to send a heartbeat now. `period` is the shortest time between two
   /// heartbeats, and `newest` the number of the writer's newest sample. Each heartbeat without an answer
   /// doubles the time to the next; a new sample shortens it.
@@ -33,23 +36,32 @@ class HeartbeatPace {
     pause_ = std::max(pause_, period);
     if (sent_ && now - last_ < pause_ - period / 2) return false;
     last_ = now;
+    if (!sent_) first_ = now;
     sent_ = unanswered_ = true;
     pause_ = std::min(2 * pause_, std::max(round_trip_, kLongestGuess));
     return true;
   }
 
-  /// The reader has answered. It may have answered an earlier heartbeat than the last, and then its answers
-  /// take longer than it seems; so a shorter time counts only gradually.
+  /// The reader has answered. Over a slow link, several heartbeats are on their way before the first answer
+  /// arrives, so its time counts from the first one. Otherwise, the reader may have answered an earlier
+  /// heartbeat than the last, and then its answers take longer than it seems; so a shorter time counts only
+  /// gradually.
   void answered(Instant now) {
     if (!unanswered_) return;
     unanswered_ = false;
-    round_trip_ = std::min(std::max(2 * (now - last_), round_trip_ * 3 / 4), kLongest);
+    const bool is_slow = round_trip_ == Nanoseconds{0} && now - first_ > kLongestGuess;
+    round_trip_ =
+        std::min(is_slow ? now - first_ : std::max(2 * (now - last_), round_trip_ * 3 / 4), kLongest);
     pause_ = round_trip_;
   }
 
+  /// Returns the longest time from a heartbeat to its answer that is expected; 0: not known yet.
+  [[nodiscard]] Nanoseconds round_trip() const noexcept { return round_trip_; }
+
  private:
-  Nanoseconds round_trip_{0};  // twice the time from a heartbeat to its answer
+  Nanoseconds round_trip_;
   Nanoseconds pause_{0};
+  Instant first_{};
   Instant last_{};
   std::uint64_t newest_ = 0;
   bool sent_ = false;
@@ -92,10 +104,10 @@ class ResendPace {
   static constexpr int kManyTimes = 9;
 
   /// The reader requests everything from `first` on. Returns true if the writer may answer now. Each answer
-  /// to the same request doubles the time to the next.
-  bool is_due(Instant now, std::uint64_t first) {
+  /// to the same request doubles the time to the next. The last answer may be on its way for `round_trip`.
+  bool is_due(Instant now, std::uint64_t first, Nanoseconds round_trip = Nanoseconds{0}) {
     if (answers_ == 0 || first != first_) *this = ResendPace{now, first};
-    if (answers_ > 0 && now - answered_ < pause_) return false;
+    if (answers_ > 0 && now - answered_ < std::max(pause_, round_trip)) return false;
     if (answers_ > 0) pause_ = std::min(2 * pause_, kLongest);
     answered_ = now;
     ++answers_;

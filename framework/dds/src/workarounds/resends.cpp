@@ -16,6 +16,7 @@
 #include "../packet_filter.hpp"
 #include "heartbeat_pace.hpp"
 #include "replaced_function.hpp"
+#include "soon_repeated.hpp"
 
 namespace {
 
@@ -42,11 +43,12 @@ std::function<void(const std::string&)> tell;
 /// Returns true if the writer may answer this request now.
 bool is_due(const Key& key, std::uint64_t first) {
   const Instant now = takt::os::now();
+  const takt::Nanoseconds round_trip = takt::dds::round_trip_to(std::get<1>(key).guidPrefix);
   const std::lock_guard lock{mutex};
   if (requests.size() == kMostRequests) requests.clear();
   Request& request = requests[key];
   request.heard = now;
-  if (!request.pace.is_due(now, first)) return false;
+  if (!request.pace.is_due(now, first, round_trip)) return false;
   if (!request.pace.is_stuck(now)) {
     request.obstacle.clear();
   } else if (request.obstacle.empty()) {

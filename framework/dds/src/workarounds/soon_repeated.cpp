@@ -76,13 +76,17 @@ constexpr std::size_t kMostPaces = 4096;
 
 std::mutex paces_mutex;
 std::map<std::pair<rtps::GUID_t, rtps::GUID_t>, takt::dds::HeartbeatPace> paces;  // by writer and reader
+std::map<rtps::GuidPrefix_t, takt::Nanoseconds> round_trips;  // by the participant of the readers
 std::map<const rtps::WriterProxy*, takt::dds::FirstRequestPace> first_requests;
 
 bool is_due(const rtps::GUID_t& writer, const rtps::GUID_t& reader, takt::Nanoseconds period,
             std::uint64_t newest) {
   const std::lock_guard lock{paces_mutex};
   if (paces.size() >= kMostPaces) paces.clear();
-  return paces[{writer, reader}].is_due(takt::os::now(), period, newest);
+  const auto known = round_trips.find(reader.guidPrefix);
+  const auto pace =
+      paces.try_emplace({writer, reader}, known == round_trips.end() ? takt::Nanoseconds{0} : known->second);
+  return pace.first->second.is_due(takt::os::now(), period, newest);
 }
 
 bool is_due(const rtps::WriterProxy* writer) {
@@ -105,8 +109,17 @@ void repeat_lost_messages_soon() noexcept {
 
 void heartbeat_answered(const rtps::GUID_t& writer, const rtps::GUID_t& reader) {
   const std::lock_guard lock{paces_mutex};
-  if (const auto found = paces.find({writer, reader}); found != paces.end())
-    found->second.answered(os::now());
+  const auto found = paces.find({writer, reader});
+  if (found == paces.end()) return;
+  found->second.answered(os::now());
+  if (round_trips.size() >= kMostPaces) round_trips.clear();
+  round_trips[reader.guidPrefix] = found->second.round_trip();
+}
+
+Nanoseconds round_trip_to(const rtps::GuidPrefix_t& participant) {
+  const std::lock_guard lock{paces_mutex};
+  const auto found = round_trips.find(participant);
+  return found == round_trips.end() ? Nanoseconds{0} : found->second;
 }
 
 }  // namespace takt::dds

@@ -9,6 +9,8 @@
 
 #include <fastdds/rtps/common/Guid.h>
 
+#include <takt/core/time.hpp>
+
 namespace takt::dds {
 
 /// Finds the functions of Fast DDS that soon_repeated.cpp replaces; ends the process if one is missing. Call
@@ -18,5 +20,8 @@ void repeat_lost_messages_soon() noexcept;
 /// The reader has answered a heartbeat of the writer.
 void heartbeat_answered(const eprosima::fastrtps::rtps::GUID_t& writer,
                         const eprosima::fastrtps::rtps::GUID_t& reader);
+
+/// Returns how long the answers of this participant take, at least; 0: not known yet.
+Nanoseconds round_trip_to(const eprosima::fastrtps::rtps::GuidPrefix_t& participant);
 
 }  // namespace takt::dds
