@@ -175,6 +175,11 @@ bool StatelessReader::processDataFragMsg(CacheChange_t* part, std::uint32_t samp
       CacheChange_t*& begun = writer.fragmented_change;
       if (writer.guid != part->writerGUID || begun == nullptr) continue;
       if (begun->sequenceNumber == part->sequenceNumber && !continues(*begun, *part, sample)) return false;
+      // Each copy of an authentication message has a new number, and Fast DDS would drop the fragments of the
+      // copy before. On a network that loses packets, all fragments of one copy rarely arrive.
+      if (m_guid.entityId == participant_stateless_message_reader_entity_id &&
+          begun->sequenceNumber < part->sequenceNumber && continues(*begun, *part, sample))
+        begun->sequenceNumber = part->sequenceNumber;
       // Fast DDS reuses the memory of an older sample if the new sample fits, but does not count kBehind.
       if (begun->sequenceNumber < part->sequenceNumber &&
           begun->serializedPayload.max_size < assembly_size(*part, sample)) {

@@ -1,5 +1,6 @@
 #include "soon_repeated.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <map>
@@ -8,12 +9,14 @@
 #include <utility>
 
 #include <fastdds/rtps/attributes/WriterAttributes.h>
+#include <fastdds/rtps/common/CacheChange.h>
 #include <fastdds/rtps/common/SequenceNumber.h>
 #include <fastdds/rtps/reader/StatefulReader.h>
 #include <fastdds/rtps/resources/TimedEvent.h>
 #include <fastdds/rtps/writer/ReaderProxy.h>
 #include <fastdds/rtps/writer/StatefulWriter.h>
 #include <fastdds/rtps/common/EntityId_t.hpp>
+#include <fastdds/rtps/interfaces/IReaderDataFilter.hpp>
 
 #include <takt/os/clock.hpp>
 #include "heartbeat_pace.hpp"
@@ -70,6 +73,22 @@ const eprosima::fastrtps::Duration_t kDiscoveryNackSuppression{0, 50 * kMs};
 // Fast DDS repeats a message of an authentication after twice this time. Such a message has up to 3 kB and
 // costs its receiver up to some milliseconds.
 constexpr double kHalfAuthenticationMs = 100;
+
+/// Fast DDS sends an authentication message to all participants, and each drops those for others. With this
+/// filter, only the receiver gets it, so fragments of different messages never meet (reader_checks.cpp).
+class ToReceiver final : public eprosima::fastdds::rtps::IReaderDataFilter {
+ public:
+  [[nodiscard]] bool is_relevant(const rtps::CacheChange_t& message,
+                                 const rtps::GUID_t& reader) const override {
+    // Before the receiver stand the encapsulation and the identities of two messages.
+    constexpr std::size_t kReceiver = 4 + 24 + 24;
+    const rtps::SerializedPayload_t& content = message.serializedPayload;
+    return content.length >= kReceiver + rtps::GuidPrefix_t::size &&
+           std::equal(reader.guidPrefix.value, reader.guidPrefix.value + rtps::GuidPrefix_t::size,
+                      content.data + kReceiver);
+  }
+};
+ToReceiver to_receiver;
 
 // Readers that have ended leave their pace behind. If there are so many, all are learned again.
 constexpr std::size_t kMostPaces = 4096;
@@ -134,7 +153,9 @@ bool RTPSParticipantImpl::createWriter(RTPSWriter** made, WriterAttributes& attr
     attributes.times.nackResponseDelay = kDiscoveryNackDelay;
     attributes.times.nackSupressionDuration = kDiscoveryNackSuppression;
   }
-  return original()(this, made, attributes, pool, history, listener, id, is_builtin);
+  if (!original()(this, made, attributes, pool, history, listener, id, is_builtin)) return false;
+  if (id == participant_stateless_message_writer_entity_id) (*made)->reader_data_filter(&to_receiver);
+  return true;
 }
 
 // Called for each heartbeat period while a reader has not acknowledged every sample. No reader of Takt is in
