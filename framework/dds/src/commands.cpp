@@ -40,8 +40,7 @@ constexpr std::size_t kRemembered = 256;    // maximum number of commands that t
 // replies.
 constexpr std::size_t kMostWaitingBytes = 4 * wire::kMaxData;
 constexpr auto kResend = milliseconds{1000};
-constexpr auto kSlowestResend = milliseconds{8000};  // the longest pause; only for commands with more than
-                                                     // one part
+constexpr auto kSlowestResend = milliseconds{8000};  // each pause is twice as long as the one before
 constexpr auto kAcknowledge = milliseconds{2000};
 // The time that the server waits for the client's reader to match. After this time, the server sends the
 // reply without a match.
@@ -519,9 +518,9 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
         continue;
       }
       const wire::WholeCommand command = due->second.command;
-      if (command.data.size() > wire::kPart)
-        due->second.pause = std::min(2 * due->second.pause, kSlowestResend);
+      // Over a slow link, the reply may be on its way; each copy of the command causes a copy of the reply.
       due->second.again = now + due->second.pause;
+      due->second.pause = std::min(2 * due->second.pause, kSlowestResend);
       ++due->second.sent;
       lock.unlock();
       ends.write(command);
@@ -556,7 +555,10 @@ bool CommandClient::send(const wire::WholeCommand& command) {
   if (command.data.size() > wire::kMaxData) return false;
   const wire::WholeCommand sent{.head = command.head, .data = wire::packed(command.data)};
   const std::lock_guard lock{inside_->mutex};
-  inside_->open[command.head.id().to_string()] = {.command = sent, .again = Clock::now()};
+  inside_->open[command.head.id().to_string()] = {
+      .command = sent,
+      .again = Clock::now(),
+      .pause = sent.data.size() > wire::kPart ? 2 * kResend : kResend};
   inside_->changed.notify_all();
   return true;
 }
