@@ -21,7 +21,7 @@ using json = nlohmann::ordered_json;
 /// How far ahead T0 lies. A device begins up to 300 ms before T0 (transaction::kBegins), and in this time the
 /// devices hear from each other that all have T0.
 constexpr Nanoseconds kShortestLead = std::chrono::milliseconds{400};
-constexpr Nanoseconds kLongestLead = std::chrono::milliseconds{1000};
+constexpr Nanoseconds kLongestLead = std::chrono::milliseconds{3000};
 /// Each device must confirm T0 at least this time before T0. If a device does not confirm in time, the
 /// operator can still cancel before T0.
 constexpr Nanoseconds kConfirmed = std::chrono::milliseconds{100};
