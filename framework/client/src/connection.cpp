@@ -18,7 +18,8 @@ Result<Connection> connect(const Network& network, const model::Cell* cell, Obse
   if (!participant) return participant.problems();
   auto observer = Observer::create(*participant, std::move(options));
   if (!observer) return observer.problems();
-  auto sender = Operator::create(*participant, **observer, *domain, options_of(*domain, discovery));
+  auto sender =
+      Operator::create(*participant, **observer, *domain, options_of(*domain, discovery), network.progress);
   if (!sender) return sender.problems();
   return Connection{std::move(*participant), std::move(*observer), std::move(*sender), *domain};
 }

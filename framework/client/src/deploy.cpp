@@ -62,7 +62,9 @@ Problems Deployment::find() {
     return process == options_.process_ids.end() || process->second == seen.status.process_id();
   };
   std::set<std::string> missing;
-  sender_.observer().wait(
+  std::set<std::string> wanted;
+  for (const model::Device& device : cell_.devices) wanted.insert(device.name);
+  sender_.search(
       [&](const std::vector<wire::ObservedDevice>& devices) {
         std::set<std::string> now;
         for (const model::Device& device : cell_.devices) {
@@ -78,7 +80,7 @@ Problems Deployment::find() {
         missing = now;
         return missing.empty() || coordinator_.cancelled();
       },
-      std::max(options_.discovery, sender_.search_limit()));
+      std::max(options_.discovery, sender_.search_limit()), wanted);
   if (coordinator_.cancelled()) return {fail("the deployment was cancelled before all devices were found")};
 
   Problems problems;
@@ -91,12 +93,12 @@ Problems Deployment::find() {
     const auto found = nodes(devices, device);
     if (found.empty()) {
       const std::string meant{nearest(device.name, {others.begin(), others.end()})};
+      const std::string remedy = sender_.remedy_of_silence(device.name);
       problems.push_back({where, "not found on " + domain,
-                          sender_.silent().contains(device.name)
-                              ? Operator::remedy_of_silence({device.name})
-                              : (meant.empty() ? "" : "did you mean " + meant + "? Otherwise ") +
-                                    "start its node with " + sender_.node_command(device.name) + "; " +
-                                    found_there(sender_)});
+                          !remedy.empty() ? remedy
+                                          : (meant.empty() ? "" : "did you mean " + meant + "? Otherwise ") +
+                                                "start its node with " + sender_.node_command(device.name) +
+                                                "; " + found_there(sender_)});
     } else if (found.size() > 1) {
       std::vector<DeviceStatus> all;
       for (const wire::ObservedDevice& seen : found) all.push_back(seen.status);

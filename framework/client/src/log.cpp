@@ -101,7 +101,7 @@ void sort_by_time(std::vector<model::Fault>& events) {
   for (auto& [at, event] : placed) events.push_back(std::move(event));
 }
 
-Log read_log(Operator& sender, const model::FaultFilter& filter, Nanoseconds limit) {
+Log read_log(Operator& sender, const model::FaultFilter& filter) {
   std::set<std::string> names;
   std::set<std::string> missed;
   std::set<std::string> not_found;
@@ -113,7 +113,7 @@ Log read_log(Operator& sender, const model::FaultFilter& filter, Nanoseconds lim
     }
     names.insert(filter.device);
   } else {
-    const auto reports = all_reports(sender, limit);
+    const auto reports = all_reports(sender);
     if (!reports) {
       log.problems = reports.problems();
       log.problems[0].fix += "; to read the fault record of a stopped node, use --file";
@@ -143,10 +143,10 @@ Log read_log(Operator& sender, const model::FaultFilter& filter, Nanoseconds lim
   }
   for (const std::string& name : not_found) {
     if (names.contains(name) || missed.contains(name)) continue;
-    log.problems.push_back(
-        {"device " + name,
-         "other devices of its cell list it, but this program did not find it within " + takt::to_text(limit),
-         "try again, or read the file on its machine with takt log --file"});
+    log.problems.push_back({"device " + name,
+                            "other devices of its cell list it, but this program did not find it within " +
+                                takt::to_text(sender.search_limit()),
+                            "try again, or read the file on its machine with takt log --file"});
   }
   sort_by_time(log.events);
   if (filter.last && log.events.size() > *filter.last)

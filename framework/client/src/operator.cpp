@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <random>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -32,9 +33,16 @@ constexpr std::chrono::seconds kBegun{10};
 /// The longest time of the search for a node, without and with DDS Security.
 constexpr Nanoseconds kSearch = std::chrono::seconds{3};
 constexpr Nanoseconds kSecuredSearch = std::chrono::seconds{10};
+/// The name of a node's participant begins with this.
+const std::string kNode = "takt-node ";
+/// A search over a slow link looks again after this time whether packets still arrive.
+constexpr Nanoseconds kLook = milliseconds{100};
 /// If a node is lost before it answers a command, send() waits this long for the node to come back, because
-/// the machine may only have been busy. Then the command fails.
+/// the machine may only have been busy. Then the command fails, unless other packets arrive from the node.
 constexpr Nanoseconds kBack = milliseconds{700};
+
+/// Returns the duration in whole seconds, for a message.
+Nanoseconds rounded(Nanoseconds duration) { return std::chrono::floor<std::chrono::seconds>(duration); }
 
 std::string device_of(const CommandRequest& request) { return "device " + request.device; }
 
@@ -79,6 +87,9 @@ struct Operator::Inside {
   std::string name;  // the first part of every command id, unique to this program
   std::shared_ptr<dds::Participant> participant;
   std::optional<dds::CommandClient> client;
+  std::function<void(const std::string&)> progress;
+  std::mutex progress_mutex;
+  std::string told;  // the devices that the last call of `progress` has named
 
   void receive(const wire::WholeReply& reply) {
     {
@@ -103,7 +114,8 @@ Operator::~Operator() = default;
 
 Result<std::unique_ptr<Operator>> Operator::create(std::shared_ptr<dds::Participant> participant,
                                                    const Observer& observer, int domain,
-                                                   std::string node_options) {
+                                                   std::string node_options,
+                                                   std::function<void(const std::string&)> progress) {
   auto inside = std::make_unique<Inside>();
   Inside* const me = inside.get();
   std::random_device random;
@@ -112,6 +124,7 @@ Result<std::unique_ptr<Operator>> Operator::create(std::shared_ptr<dds::Particip
   inside->name = digits.data();
   const Nanoseconds search_limit = participant->identity() ? kSecuredSearch : kSearch;
   inside->participant = participant;
+  inside->progress = std::move(progress);
   auto client = dds::CommandClient::create(std::move(participant),
                                            [me](const wire::WholeReply& reply) { me->receive(reply); });
   if (!client) return client.problems();
@@ -194,7 +207,7 @@ std::vector<Result<wire::WholeReply>> Operator::send(const std::vector<CommandRe
         return;
       }
       std::string what;
-      if (!there && now - *state.gone_since > kBack)
+      if (!there && now - *state.gone_since > kBack && !sends(q.device))
         what = std::string{"it was lost before it answered command "} + to_text(q.kind);
       else if (now - *state.sent > limit)
         what = std::string{"no answer to command "} + to_text(q.kind) + " within " + takt::to_text(limit);
@@ -212,8 +225,12 @@ std::vector<Result<wire::WholeReply>> Operator::send(const std::vector<CommandRe
       return;
     }
     if (alive.empty()) {
-      if (Clock::now() - begun <= find_within) return;
-      state.outcome = is_lost ? lost(q.device) : not_found(q.device, find_within);
+      const auto since = Clock::now() - begun;
+      if (since <= find_within) return;
+      if (since <= std::min(q.limit.value_or(kSlowestSearch), kSlowestSearch) &&
+          !matching({q.device}).empty())
+        return;
+      state.outcome = is_lost ? lost(q.device) : not_found(q.device, std::max(find_within, rounded(since)));
       return;
     }
     state.sent = state.heard = Clock::now();
@@ -281,28 +298,74 @@ Problem Operator::lost(const std::string& device) {
 
 std::string Operator::unresolved() const { return inside_->participant->unresolved(); }
 
-std::set<std::string> Operator::silent() const {
-  const std::string node = "takt-node ";
-  std::set<std::string> names;
-  for (const std::string& name : inside_->participant->announced()) {
-    const std::string device = name.starts_with(node) ? name.substr(node.size()) : std::string{};
-    if (!device.empty() && observer_.devices(device).empty()) names.insert(device);
+bool Operator::search(const std::function<bool(const std::vector<wire::ObservedDevice>&)>& condition,
+                      Nanoseconds limit, const std::set<std::string>& wanted) const {
+  const auto end = Clock::now() + kSlowestSearch;
+  bool found = observer_.wait(condition, limit);
+  while (!found && Clock::now() < end) {
+    const std::string names = matching(wanted);
+    if (names.empty()) break;
+    {
+      const std::lock_guard lock{inside_->progress_mutex};
+      if (std::exchange(inside_->told, names) != names && inside_->progress)
+        inside_->progress("waiting for the status of " + names + ", whose packets arrive slowly");
+    }
+    found = observer_.wait(condition, kLook);
+  }
+  return found;
+}
+
+std::string Operator::matching(const std::set<std::string>& wanted) const {
+  std::string names;
+  for (const auto& [name, sends_more] : silent()) {
+    if (sends_more && (wanted.empty() || wanted.contains(name))) names += (names.empty() ? "" : ", ") + name;
   }
   return names;
 }
 
-std::string Operator::remedy_of_silence(const std::set<std::string>& devices) {
-  std::string list;
-  for (const std::string& name : devices) list += (list.empty() ? "" : ", ") + name;
-  return "only announcements arrived from " + list +
-         ": check whether the network loses or delays packets, and whether both sides use DDS Security";
+bool Operator::sends(const std::string& device) const {
+  const auto announced = inside_->participant->announced();
+  return std::ranges::any_of(
+      announced, [&device](const auto& one) { return one.sends_more && one.name == kNode + device; });
+}
+
+std::map<std::string, bool> Operator::silent() const {
+  std::map<std::string, bool> devices;
+  for (const auto& [name, sends_more] : inside_->participant->announced()) {
+    const std::string device = name.starts_with(kNode) ? name.substr(kNode.size()) : std::string{};
+    if (!device.empty() && observer_.devices(device).empty()) devices[device] |= sends_more;
+  }
+  return devices;
+}
+
+std::string Operator::remedy_of_silence(const std::map<std::string, bool>& devices) {
+  std::string only_announced;
+  std::string others;
+  for (const auto& [name, sends_more] : devices) {
+    std::string& list = sends_more ? others : only_announced;
+    list += (list.empty() ? "" : ", ") + name;
+  }
+  std::string text;
+  if (!only_announced.empty())
+    text = "only announcements arrived from " + only_announced +
+           ": check whether the network loses or delays packets, and whether both sides use DDS Security";
+  if (!others.empty())
+    text += (text.empty() ? "" : "; ") + std::string{"discovery messages, but no status, arrived from "} +
+            others + ": the network is slow or loses packets; try again";
+  return text;
+}
+
+std::string Operator::remedy_of_silence(const std::string& device) const {
+  auto devices = silent();
+  std::erase_if(devices, [&device](const auto& each) { return each.first != device; });
+  return remedy_of_silence(devices);
 }
 
 Problem Operator::not_found(const std::string& device, Nanoseconds within) const {
-  return {"device " + device, "not found: no answer within " + takt::to_text(within),
-          silent().contains(device)
-              ? remedy_of_silence({device})
-              : "check that " + node_command(device) + " is running; " + found_there(*this)};
+  const std::string remedy = remedy_of_silence(device);
+  return {
+      "device " + device, "not found: no answer within " + takt::to_text(within),
+      !remedy.empty() ? remedy : "check that " + node_command(device) + " is running; " + found_there(*this)};
 }
 
 Problems problems_of(const wire::WholeReply& reply) {

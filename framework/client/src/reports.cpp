@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <takt/client/answer_data.hpp>
+#include <takt/os/clock.hpp>
 
 namespace takt::client {
 
@@ -102,12 +103,16 @@ std::string found_there(const Operator& sender) {
          (unresolved.empty() ? "" : "; " + unresolved);
 }
 
-Result<Reports> all_reports(Operator& sender, Nanoseconds limit, const std::string& wanted) {
+Result<Reports> all_reports(Operator& sender, const std::string& wanted) {
+  const Nanoseconds limit = sender.search_limit();
+  const Instant begin = os::now();
   const Observer& observer = sender.observer();
-  if (!observer.wait([](const auto& seen) { return !alive(seen).empty(); }, limit)) {
+  const std::set<std::string> devices = wanted.empty() ? std::set<std::string>{} : std::set{wanted};
+  if (!sender.search([](const auto& seen) { return !alive(seen).empty(); }, limit, devices)) {
     const std::string unresolved = sender.unresolved();
     const auto silent = sender.silent();
-    return fail("no device found on domain " + std::to_string(sender.domain()) +
+    return fail("no device found on domain " + std::to_string(sender.domain()) + " within " +
+                    takt::to_text(std::chrono::floor<std::chrono::seconds>(os::now() - begin)) +
                     (unresolved.empty() ? "" : ": " + unresolved),
                 silent.empty() ? "start a node with " + sender.node_command("NAME")
                                : Operator::remedy_of_silence(silent));
@@ -138,7 +143,8 @@ Result<Reports> all_reports(Operator& sender, Nanoseconds limit, const std::stri
                                        [&reports](const auto& lost) { return reports.answered(lost.first); });
     const bool complete = none_lost && reports.complete(observer);
     patience = !reports.missing().empty() ? limit : complete ? Nanoseconds{0} : Nanoseconds{kQuiet};
-  } while (observer.wait(any_new, patience));
+  } while (patience == limit ? sender.search(any_new, limit, reports.missing())
+                             : observer.wait(any_new, patience));
   return reports;
 }
 

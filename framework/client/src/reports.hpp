@@ -38,12 +38,12 @@ struct Reports {
 };
 
 /// Asks every node for its report, including nodes that have the same device name. The search for nodes ends
-/// when all devices that other devices name are discovered, and at the latest after `limit`. If a device is
-/// lost, the search goes on until no new node has been discovered for kQuiet. If `wanted` names a device, the
-/// search already ends when this device is discovered, or when another device names it; the reports are then
-/// incomplete. Fails if no device is discovered within `limit`. Not for real-time threads, because the
+/// when all devices that other devices name are discovered, and at the latest as Operator::search() says. If
+/// a device is lost, the search goes on until no new node has been discovered for kQuiet. If `wanted` names a
+/// device, the search already ends when this device is discovered, or when another device names it; the
+/// reports are then incomplete. Fails if no device is discovered. Not for real-time threads, because the
 /// function waits.
-Result<Reports> all_reports(Operator& sender, Nanoseconds limit, const std::string& wanted = {});
+Result<Reports> all_reports(Operator& sender, const std::string& wanted = {});
 
 /// Returns the names of the devices whose nodes are alive.
 std::set<std::string> alive(const std::vector<wire::ObservedDevice>& seen);

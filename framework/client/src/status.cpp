@@ -80,8 +80,8 @@ std::vector<std::string> differences(const json& devices,
   return all;
 }
 
-Result<json> status(Operator& sender, Nanoseconds limit) {
-  auto found = all_reports(sender, limit);
+Result<json> status(Operator& sender) {
+  auto found = all_reports(sender);
   if (!found) return found.problems();
   Reports& reports = *found;
   // Fail if there is a problem, because the status would be incomplete: for example, a node was lost before

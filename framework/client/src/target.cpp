@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <takt/core/words.hpp>
+#include <takt/os/clock.hpp>
 #include "reports.hpp"
 
 namespace takt::client {
@@ -40,15 +41,18 @@ Result<void> find_device(Operator& sender, const std::string& device, const std:
   const auto is_found = [&](const auto&) { return !observer.devices(device).empty(); };
   if (observer.wait(is_found, kQuiet)) return {};
   const Nanoseconds limit = sender.search_limit();
-  const auto reports = all_reports(sender, limit, device);
-  if (!reports) return sender.not_found(device, limit);
+  const Instant begin = os::now();
+  const auto reports = all_reports(sender, device);
+  if (!reports)
+    return sender.not_found(
+        device, std::max(limit, Nanoseconds{std::chrono::floor<std::chrono::seconds>(os::now() - begin)}));
   // If a node has not answered or does not know all other nodes yet, the device may still be discovered.
   const bool complete = reports->problems.empty() && reports->complete(observer);
   if (reports->lost.contains(device)) {
     if (observer.wait(is_found, kQuiet)) return {};  // it may just have come back
     return Operator::lost(device);
   }
-  if (reports->named.contains(device) || observer.wait(is_found, complete ? Nanoseconds{0} : limit))
+  if (reports->named.contains(device) || sender.search(is_found, complete ? Nanoseconds{0} : limit, {device}))
     return {};
   return Problem{"device " + device, "not found on domain " + std::to_string(sender.domain()),
                  instead_of(device, rest, *reports, sender)};

@@ -94,7 +94,7 @@ Result<CellDevices> devices_of(Operator& sender, const std::string& cell) {
   const Observer& observer = sender.observer();
   const Nanoseconds limit = sender.search_limit();
   const std::string domain = "domain " + std::to_string(sender.domain());
-  observer.wait([&](const auto& seen) { return !deployments_of(seen, cell).empty(); }, limit);
+  sender.search([&](const auto& seen) { return !deployments_of(seen, cell).empty(); }, limit);
   const auto found = deployments_of(observer.devices(), cell);
   if (found.empty()) {
     std::set<std::string> cells;

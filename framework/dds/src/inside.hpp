@@ -52,8 +52,7 @@ class OwnParticipant final : public Participant {
                  fast::Subscriber* subscriber, std::unique_ptr<wire::Notices> notices,
                  std::unique_ptr<wire::Notices> unreached, std::unique_ptr<DiscoveryListener> listener,
                  const UdpTransportDescriptor& transport, std::shared_ptr<HostNames> names,
-                 os::InterfaceNews news, os::Notice ending,
-                 bool must_rejoin);
+                 os::InterfaceNews news, os::Notice ending, bool must_rejoin);
   ~OwnParticipant() override;
   [[nodiscard]] const std::optional<security::Identity>& identity() const noexcept override {
     return identity_;
@@ -62,9 +61,7 @@ class OwnParticipant final : public Participant {
     return filter_->refused.load(std::memory_order_relaxed);
   }
   [[nodiscard]] std::string unresolved() const override { return names_->unresolved(); }
-  [[nodiscard]] std::vector<std::string> announced() const override {
-    return participant_->get_participant_names();
-  }
+  [[nodiscard]] std::vector<Announced> announced() const override;
 
   [[nodiscard]] std::string obstacle(const std::string& device) const override;
   /// The status of this device comes from this participant.

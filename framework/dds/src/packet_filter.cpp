@@ -3,6 +3,7 @@
 #include <cstring>
 #include <string>
 
+#include <takt/os/clock.hpp>
 #include <takt/security/identity.hpp>
 #include <takt/wire/rtps.hpp>
 #include "workarounds/message_size.hpp"
@@ -10,6 +11,9 @@
 namespace takt::dds {
 
 namespace {
+
+// Participants that have ended leave their number behind. If there are so many, all are forgotten.
+constexpr std::size_t kMostSenders = 4096;
 
 thread_local os::Ipv4 sender_of_this_packet{};
 
@@ -38,8 +42,19 @@ void PacketFilter::pass(std::span<const std::uint8_t> packet, const os::Ipv4& fr
     set_near(wire::sender_of(packet), here);
     receive_lock.handle_alone([&] { handle(readable); });
   } else {
+    {
+      const std::lock_guard lock{mutex_};
+      if (last_messages_.size() == kMostSenders) last_messages_.clear();
+      last_messages_[wire::sender_of(packet)] = os::now();
+    }
     receive_lock.handle([&] { handle(readable); });
   }
+}
+
+std::optional<Instant> PacketFilter::last_message_of(const wire::ParticipantNumber& participant) const {
+  const std::lock_guard lock{mutex_};
+  const auto found = last_messages_.find(participant);
+  return found == last_messages_.end() ? std::nullopt : std::optional{found->second};
 }
 
 void PacketFilter::drop(const os::Ipv4& from, const char* why) {

@@ -7,10 +7,15 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
 #include <span>
 
+#include <takt/core/time.hpp>
 #include <takt/os/network.hpp>
 #include <takt/wire/notices.hpp>
+#include <takt/wire/rtps.hpp>
 #include <takt/wire/unauthenticated_participants.hpp>
 #include "workarounds/receive_lock.hpp"
 
@@ -38,6 +43,9 @@ class PacketFilter {
   /// Returns the sender of the packet that this thread handles, or has handled last.
   [[nodiscard]] static os::Ipv4 sender() noexcept;
 
+  /// Returns when the last message of this participant arrived that is not an announcement.
+  [[nodiscard]] std::optional<Instant> last_message_of(const wire::ParticipantNumber& participant) const;
+
   wire::UnauthenticatedParticipants unauthenticated;  // used only with DDS Security
   std::atomic<std::uint64_t> refused{0};
   std::atomic<Silence> silence{Silence::none};
@@ -48,6 +56,8 @@ class PacketFilter {
 
   wire::Notices& notices_;
   const bool secured_;
+  mutable std::mutex mutex_;
+  std::map<wire::ParticipantNumber, Instant> last_messages_;
 };
 
 }  // namespace takt::dds

@@ -55,6 +55,9 @@ constexpr int kFollowEveryMs = 250;
 /// After a halt of this time, other participants may have forgotten this one.
 constexpr Nanoseconds kHalted =
     kParticipantLease - kAnnounceEvery - std::chrono::milliseconds{kFollowEveryMs};
+/// See Participant::Announced. Fast DDS repeats a discovery message at least once in a second, even on a slow
+/// link.
+constexpr Nanoseconds kSendsMore = std::chrono::milliseconds{1500};
 /// After the first notice of a change of the interfaces, wait for more: a change often takes several steps.
 constexpr int kMoreNewsMs = 100;
 /// The time in which most name services answer. Then the first announcements reach the peers.
@@ -338,6 +341,15 @@ std::string OwnParticipant::obstacle(const std::string& device) const {
   const std::lock_guard lock{mutex_};
   const auto found = devices_.find(device);
   return found == devices_.end() ? std::string{} : obstacle_to(found->second);
+}
+
+std::vector<Participant::Announced> OwnParticipant::announced() const {
+  std::vector<Announced> all;
+  for (const auto& [number, name] : found_participants()) {
+    const auto last = filter_->last_message_of(number);
+    all.push_back({name, last && os::now() - *last < kSendsMore});
+  }
+  return all;
 }
 
 void OwnParticipant::is_device(const rtps::GuidPrefix_t& participant, const std::string& device) {

@@ -1,6 +1,8 @@
 // The command line options for the network: domain, discovery and identity.
 #pragma once
 
+#include <cstdio>
+
 #include <CLI/CLI.hpp>
 
 #include <takt/client/network.hpp>
@@ -10,6 +12,7 @@
 namespace takt::tool {
 
 inline void add_network_options(CLI::App& app, client::Network& network) {
+  network.progress = [](const std::string& text) { std::fprintf(stderr, "%s ...\n", text.c_str()); };
   app.add_option("--domain", network.domain,
                  "the DDS domain, 0 to 232 (default: TAKT_DOMAIN, else the descriptor's, else 0)")
       ->type_name("N")

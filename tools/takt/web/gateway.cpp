@@ -284,8 +284,7 @@ void Gateway::run_fetcher() {
 void Gateway::read_records() {
   for (const wire::ObservedDevice& seen : client_.observer->devices()) {
     if (!seen.alive || ended_ || !recorded_.insert(seen.name()).second) continue;
-    const client::Log read =
-        client::read_log(*client_.sender, {.device = seen.name(), .last = kMostFaults}, kNodeAnswered);
+    const client::Log read = client::read_log(*client_.sender, {.device = seen.name(), .last = kMostFaults});
     add_record(read);
     follower_->go_on_after(read);
   }

@@ -13,9 +13,12 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <string>
 #include <vector>
 
 #include <takt/os/network.hpp>
+#include <takt/wire/rtps.hpp>
 #include "../packet_filter.hpp"
 
 namespace takt::dds {
@@ -31,6 +34,8 @@ void prepare_own_announcement(bool follows) noexcept;
 void announce_addresses(const std::vector<os::Ipv4>& addresses);
 /// Returns the port on which the participant of this process receives samples.
 std::uint32_t port_for_samples() noexcept;
+/// Returns the name of each participant that this one has found and not lost, without itself.
+std::map<wire::ParticipantNumber, std::string> found_participants();
 /// Announces this participant once more.
 void announce_again();
 /// If the participant of this process is a discovery server, it sends discovery messages to the new addresses

@@ -31,8 +31,8 @@ struct Log {
 
 /// Reads the fault record of the filter's device. If the filter names no device, reads the records of all
 /// devices that all_reports() finds. Then `problems` lists each device that other devices have lost, and each
-/// device that other devices name but that this program does not find within `limit`.
-Log read_log(Operator& sender, const model::FaultFilter& filter, Nanoseconds limit = std::chrono::seconds{3});
+/// device that other devices name but that this program does not find.
+Log read_log(Operator& sender, const model::FaultFilter& filter);
 
 /// Sorts the events by time. The sequence numbers of a device may then not be in order, because a node's rate
 /// limit merges events, and records a merged event up to a second after the event's time. If the clock of a

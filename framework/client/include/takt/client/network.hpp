@@ -1,6 +1,7 @@
 // A program's network settings, from its command-line options and environment variables.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,8 @@ struct Network {
   std::string peers;       ///< the value of --peers, such as "10.0.0.1,10.0.0.2"; may be empty
   std::string server;      ///< the value of --server, such as "10.0.0.1:11811"; may be empty
   std::string security{};  ///< a folder; if empty, security_of() uses TAKT_SECURITY
+  /// Called with a line of text that says for what a command waits longer than usual. It may be empty.
+  std::function<void(const std::string&)> progress{};
 };
 
 /// Returns the parts of a text between commas. Ignores empty parts.
@@ -24,8 +27,8 @@ std::vector<std::string> split(const std::string& text);
 /// otherwise the cell's domain, otherwise 0. Fails if network.domain is not set and TAKT_DOMAIN is not a
 /// valid domain.
 Result<int> domain_of(const Network& network, const model::Cell* cell = nullptr);
-/// Returns a note for the user if TAKT_DOMAIN replaces a domain that the cell's descriptor names; otherwise an
-/// empty text.
+/// Returns a note for the user if TAKT_DOMAIN replaces a domain that the cell's descriptor names; otherwise
+/// an empty text.
 std::string domain_note(const Network& network, const model::Cell& cell);
 /// Returns the discovery settings: those of --peers or --server if given, otherwise those of the cell.
 model::Discovery discovery_of(const Network& network, const model::Cell* cell = nullptr);

@@ -15,10 +15,10 @@ namespace takt::client {
 
 /// Asks all devices in parallel and returns their status. A lost device has "alive": false and the module
 /// states that other nodes received last. A device that other devices of its cell name, but that this program
-/// does not find within `limit`, has "alive": false and no modules. If two nodes have the same device name,
+/// does not find, has "alive": false and no modules. If two nodes have the same device name,
 /// each node has its own object, with the member "conflict". If the devices of a cell do not all have the
-/// same deployment, the member "differences" says so. Fails if no device is found within `limit`.
-Result<nlohmann::ordered_json> status(Operator& sender, Nanoseconds limit = std::chrono::seconds{3});
+/// same deployment, the member "differences" says so. Fails if no device is found.
+Result<nlohmann::ordered_json> status(Operator& sender);
 
 /// Returns one sentence for each cell whose live devices do not all have the same deployment and the same
 /// last update. `devices` is the list of the devices' status; `cells` names the devices of each cell.

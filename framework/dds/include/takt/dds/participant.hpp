@@ -44,6 +44,12 @@ struct ParticipantOptions {
 /// participant.
 class Participant {
  public:
+  /// A participant whose announcements have arrived.
+  struct Announced {
+    std::string name;  ///< such as "takt-node robot"
+    bool sends_more;   ///< true: more than announcements has arrived from it in the last 1.5 s
+  };
+
   /// Creates the participant. Fails if the domain or an address cannot be used, if the process already has a
   /// participant, or if the calling thread is real-time. With DDS Security it also fails if
   /// security::read_identity() rejects the identity, if the identity is not valid for this domain, or if the
@@ -58,8 +64,8 @@ class Participant {
   /// Returns a text about each peer or discovery server whose name cannot be resolved; empty if there is
   /// none.
   [[nodiscard]] virtual std::string unresolved() const = 0;
-  /// Returns the names of the participants whose announcements have arrived, such as "takt-node robot".
-  [[nodiscard]] virtual std::vector<std::string> announced() const = 0;
+  /// Returns the participants that this one has found and not lost.
+  [[nodiscard]] virtual std::vector<Announced> announced() const = 0;
   /// Returns a sentence that says why samples do not reach this device now, although it answers. Empty if
   /// nothing indicates that. Known only for devices whose status a Reader<DeviceStatus> has received.
   [[nodiscard]] virtual std::string obstacle(const std::string& device) const = 0;
