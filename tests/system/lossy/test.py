@@ -83,5 +83,54 @@ class Lossy(networks.NetworkCase):
             self.assertIn("only announcements arrived from robot: check whether the network loses or delays packets", run.err)
 
 
+    def test_the_search_goes_on_while_discovery_messages_arrive(self):
+        # Discovery needs at least two messages there and back, 4 s, and a search without any message ends after 3 s.
+        self.nodes("robot")
+        wait_until(lambda: "robot" in self.status(), "the device to be found")
+        self.net.impair("operator", delay=1.0)
+        for command in ("status", "stop robot.nothing"):
+            run = self.operator(*command.split())
+            self.assertIn("waiting for the status of robot, whose packets arrive slowly ...", run.err)
+            self.assertEqual(0 if command == "status" else 1, run.status, run.err)
+            self.assertNotIn("not found", run.err)
+
+    def test_a_cell_can_be_used_over_a_link_of_64_kbit_per_second(self):
+        nodes = self.nodes("robot")
+        wait_until(lambda: "robot" in self.status(), "the device to be found")
+        self.net.impair("operator", delay=0.2, rate=64000)
+        self.deploy(self.write("cell.xml", CELL))
+        watch = self.start("watch")
+        watch.wait_for_out(r"\brobot: running\b")
+        watch.signal(signal.SIGINT)
+        watch.wait()
+        self.done("stop robot.latch")
+        self.assertEqual("START", self.status()["robot"]["modules"][0]["state"])
+        self.done("undeploy lossy")
+        self.end(nodes)
+
+
+class Secured(networks.NetworkCase):
+    MACHINES = ("robot",)
+
+    def test_secured_commands_are_answered_although_every_third_packet_is_lost(self):
+        cell = self.write("cell.xml", CELL)
+        self.assertEqual(0, self.takt("secure", "init", cell, "keys", "--operator", "anna").status)
+        keys = os.path.join(self.folder, "keys")
+        nodes = {"robot": self.node("robot", "--security", os.path.join(keys, "devices", "robot"))}
+        identity = ("--security", os.path.join(keys, "operators", "anna"))
+        self.assertEqual(0, self.operator("deploy", cell, *identity).status)
+        self.net.impair("operator", loss=0.3)
+        commands = how_much("TAKT_TEST_LOSSY_COMMANDS", 10, 100)
+        failed = []
+        for i in range(commands):
+            run = self.operator(("status", "log")[i % 2], *identity)
+            if run.status != 0:
+                failed.append(run.err)
+        print("%d of %d secured commands failed%s" % (len(failed), commands, "".join("\n" + text for text in failed)))
+        self.assertLess(len(failed), commands / 2)
+        self.net.impair("operator")
+        self.end(nodes)
+
+
 if __name__ == "__main__":
     takt_system.main()
