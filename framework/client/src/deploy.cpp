@@ -4,6 +4,7 @@
 #include <set>
 
 #include <takt/core/words.hpp>
+#include <takt/os/clock.hpp>
 #include <takt/wire/words.hpp>
 #include "answers.hpp"
 #include "coordinator.hpp"
@@ -12,6 +13,10 @@
 namespace takt::client {
 
 namespace {
+
+// When to show which devices are not found yet: not at once, and not again for each device.
+constexpr Nanoseconds kUsuallyFound = std::chrono::milliseconds{300};
+constexpr Nanoseconds kShowEvery = std::chrono::seconds{1};
 
 class Deployment {
  public:
@@ -61,7 +66,8 @@ Problems Deployment::find() {
     const auto process = options_.process_ids.find(seen.name());
     return process == options_.process_ids.end() || process->second == seen.status.process_id();
   };
-  std::set<std::string> missing;
+  std::set<std::string> shown;
+  Instant show_at = os::now() + kUsuallyFound;
   std::set<std::string> wanted;
   for (const model::Device& device : cell_.devices) wanted.insert(device.name);
   sender_.search(
@@ -71,14 +77,15 @@ Problems Deployment::find() {
           const auto found = nodes(devices, device);
           if (std::none_of(found.begin(), found.end(), expected)) now.insert(device.name);
         }
-        if (now != missing && !now.empty()) {
+        if (now != shown && !now.empty() && os::now() >= show_at) {
           std::string names;
           for (const std::string& name : now) names += (names.empty() ? "" : ", ") + name;
           coordinator_.show_progress((now.size() == 1 ? "waiting for device " : "waiting for devices ") +
                                      names);
+          shown = now;
+          show_at = os::now() + kShowEvery;
         }
-        missing = now;
-        return missing.empty() || coordinator_.cancelled();
+        return now.empty() || coordinator_.cancelled();
       },
       std::max(options_.discovery, sender_.search_limit()), wanted);
   if (coordinator_.cancelled()) return {fail("the deployment was cancelled before all devices were found")};
