@@ -144,8 +144,7 @@ Log read_log(Operator& sender, const model::FaultFilter& filter) {
   for (const std::string& name : not_found) {
     if (names.contains(name) || missed.contains(name)) continue;
     log.problems.push_back({"device " + name,
-                            "other devices of its cell list it, but this program did not find it within " +
-                                takt::to_text(sender.search_limit()),
+                            "other devices of its cell list it, but this program did not find it",
                             "try again, or read the file on its machine with takt log --file"});
   }
   sort_by_time(log.events);

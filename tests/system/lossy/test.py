@@ -1,5 +1,6 @@
 """Commands from a machine whose network cable loses packets. tests/system/poor_link.py simulates the cable."""
 import os
+import signal
 import sys
 import time
 
@@ -94,10 +95,10 @@ class Lossy(networks.NetworkCase):
             self.assertEqual(0 if command == "status" else 1, run.status, run.err)
             self.assertNotIn("not found", run.err)
 
-    def test_a_cell_can_be_used_over_a_link_of_64_kbit_per_second(self):
+    def test_a_cell_can_be_used_over_a_link_of_128_kbit_per_second(self):
         nodes = self.nodes("robot")
         wait_until(lambda: "robot" in self.status(), "the device to be found")
-        self.net.impair("operator", delay=0.2, rate=64000)
+        self.net.impair("operator", delay=0.2, rate=128000)
         self.deploy(self.write("cell.xml", CELL))
         watch = self.start("watch")
         watch.wait_for_out(r"\brobot: running\b")

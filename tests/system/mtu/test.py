@@ -67,6 +67,9 @@ class Mtu(networks.NetworkCase):
         self.assertEqual({machine: 0 for machine in MACHINES}, {machine: self.net.lost(machine) for machine in MACHINES},
                          "number of packets that were too long")
 
+        for name in ("one", "two", "three", "four"):  # the fault record contains each rejected command
+            self.assertEqual(1, self.operator("stop", "robot." + name).status)
+
         def names_the_cause():
             self.assertNotEqual(0, self.operator("log", "robot").status, "the answer is too long")
             return re.search(r"IP packets of up to 1280 bytes do not reach 10\.77\.0\.3, but shorter ones do", nodes["robot"].err)
