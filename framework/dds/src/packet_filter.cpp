@@ -42,7 +42,7 @@ void PacketFilter::pass(std::span<const std::uint8_t> packet, const os::Ipv4& fr
     set_near(wire::sender_of(packet), here);
     receive_lock.handle_alone([&] { handle(readable); });
   } else {
-    {
+    if (secured_ || !wire::is_protected_rtps(packet)) {  // otherwise this participant cannot decrypt it
       const std::lock_guard lock{mutex_};
       if (last_messages_.size() == kMostSenders) last_messages_.clear();
       last_messages_[wire::sender_of(packet)] = os::now();

@@ -43,7 +43,8 @@ class PacketFilter {
   /// Returns the sender of the packet that this thread handles, or has handled last.
   [[nodiscard]] static os::Ipv4 sender() noexcept;
 
-  /// Returns when the last message of this participant arrived that is not an announcement.
+  /// Returns when the last message of this participant arrived that can be decrypted and is not an
+  /// announcement.
   [[nodiscard]] std::optional<Instant> last_message_of(const wire::ParticipantNumber& participant) const;
 
   wire::UnauthenticatedParticipants unauthenticated;  // used only with DDS Security

@@ -143,7 +143,7 @@ class Recording(takt_system.Case):
 
         def is_missing():
             recorder.signal(signal.SIGSTOP)
-            enough = written() + 5000
+            enough = written() + 15000  # more than the receive buffer holds, so that the gap can be seen in the drawing
             wait_until(lambda: written() > enough, "samples while the recorder is paused")
             recorder.signal(signal.SIGCONT)
             before = self.count()
