@@ -57,8 +57,9 @@ class NonReal(takt_system.Case):
         run.signal(signal.SIGINT)
         self.assertEqual(1, run.wait().status)
         self.assertEqual(1, len(run.other_lines), run.other_lines)
+        # The module runs only in idle time, so its thread may get no time to report where it was.
         self.assertRegex(run.other_lines[0], r"^module endless\.endless: error: run\(\) did not return within 2 s, so the node killed "
-                         r"the host; run\(\) was in run at endless\.cpp:\d+ in endless\.so$")
+                         r"the host(; run\(\) was in run at endless\.cpp:\d+ in endless\.so)?$")
         self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
         self.assertEqual(LIFE, run.states("steady"))
         self.assert_grid(run, "steady")
