@@ -14,7 +14,7 @@ export class Facts {
     for (const [what, text] of pairs) {
       let line = this.#values.get(what);
       if (!line) {
-        line = { what: element("dt", { text: what }), value: element("dd") };
+        line = { what: element("dt", { text: what }), value: element("dd", { dataset: { of: what } }) };
         this.#values.set(what, line);
         this.element.append(line.what, line.value);
       }

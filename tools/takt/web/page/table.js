@@ -159,7 +159,7 @@ function used(executor, programs, about) {
   const head = (text) => element("th", { scope: "col", text });
   return element("details", { open: true },
     element("summary", { text: `Where the time went: the executor was busy ${number(busy / span * 100)} % of the time` }),
-    element("table", { class: "numbers" }, element("thead", {}, element("tr", {}, head("module"), head("runs"), head("total, us"), head("longest, us"),
+    element("table", { class: "numbers used" }, element("thead", {}, element("tr", {}, head("module"), head("runs"), head("total, us"), head("longest, us"),
       head("budget, us"), head("share, %"))),
     element("tbody", {}, ...lines.map(([name, sum]) => element("tr", {},
       element("th", { scope: "row", text: sum.program ? `${name} (program)` : name }), ...[String(sum.runs), number(sum.all_ns / 1e3),
