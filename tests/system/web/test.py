@@ -483,6 +483,10 @@ class Web(takt_system.Case):
                           .filter((one) => one.checkVisibility() && (one.getBoundingClientRect().height < 39.5 ||
                                                                      one.getBoundingClientRect().right > innerWidth))
                           .map((one) => `${one.textContent}: ${one.getBoundingClientRect().height}`)"""))
+            if width == 390:
+                page.go("#/modules?select=robot.tuned")
+                wait_until(lambda: page.script("return document.querySelector('#details [data-verb=stop]').getBoundingClientRect().height") >= 60,
+                           "a button for Stop that is large enough for a thumb")
             page.go("#/cell")
             page.wait_for("[data-module='robot.tuned'] .state-word", ".")
             for high in (height, 300):
@@ -515,6 +519,31 @@ class Web(takt_system.Case):
                 return [...new Set([...document.querySelectorAll(".dash line")].map((one) => getComputedStyle(one).stroke === accent))]"""),
                              "the lines of a legend must have the colour of the curves")
         self.finish(web)
+
+    @takt_system.quiet("the test looks for the last fault, and rows missed on a busy machine would be newer faults")
+    def test_the_wall_view_shows_in_large_letters_what_needs_attention(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("?wall", width=1920, height=1080)
+        page.wait_for("[data-device=line] li", "^fails.*RECOVER$")
+        self.assertEqual(["line", "robot"], page.texts(".tiles h2"), "the worst device is first")
+        page.wait_for(".wall-view > .mark", r"line\.fails: failure")
+        small = page.script("""
+            return [...document.querySelectorAll("body *")].filter((one) => one.checkVisibility() && [...one.childNodes]
+                .some((node) => node.nodeType === Node.TEXT_NODE && node.data.trim()) && one.getBoundingClientRect().width > 1)
+              .filter((one) => parseFloat(getComputedStyle(one).fontSize) < 0.023 * innerWidth).map((one) => one.textContent)""")
+        self.assertEqual([], small, "texts that cannot be read from some metres away")
+        for theme in ("light", "dark"):
+            page.prefer(theme)
+            page.wait_for_attribute("html", "data-theme", theme)
+            self.assertEqual([], page.script(CONTRAST))
+        self.running["robot"].signal(signal.SIGKILL)
+        self.running["robot"].wait()
+        page.wait_for("[data-device=robot] .mark .word", "^lost$")
+        page.wait_for("#summary", "robot lost")
+        self.running["robot"] = self.node("robot", "--resume")
+        page.wait_for("[data-device=robot] .mark .word", "^running$")
+        self.finish(web, apart=("504",))  # the page may still have waited for a reply of the killed node
 
     def test_the_web_page_removes_scripts_and_links_from_svg_drawings(self):
         web = self.serve()

@@ -17,6 +17,7 @@ import { Stream } from "./stream.js";
 import { summaryOf } from "./summary.js";
 import { Table } from "./table.js";
 import { followTheme } from "./theme.js";
+import { Wall } from "./wall.js";
 import { clock } from "./words.js";
 
 const kQuiet_ms = 4000;  // the connection is "quiet" after this time without an event; normally `measures` arrives every second
@@ -33,19 +34,21 @@ const views = {
   table: { title: "Table", view: new Table(store) },
   plots: { title: "Plots", view: new Plots(store) },
 };
+const wall = new URLSearchParams(location.search).has("wall") ? { title: "Cell", view: new Wall(store) } : null;
+document.body.classList.toggle("wall", wall !== null);
 let shown = null;
 
 function showRoute() {
   if (keepToken()) askRights();  // the user opened an address with a token in a tab that already shows the page
   const route = currentRoute();
   const name = Object.hasOwn(views, route.view) ? route.view : "cell";
-  const { view, title } = views[name];
+  const { view, title } = wall ?? views[name];
   if (shown !== view) {
     shown?.hide?.();
     byId("view").replaceChildren(view.element);
     shown = view;
   }
-  const selected = route.parameters.get("select");
+  const selected = wall ? null : route.parameters.get("select");
   byId("main").classList.toggle("split", Boolean(selected));
   view.show(route.parameters);
   details.show(selected);

@@ -1,0 +1,83 @@
+// The view for a screen on the wall (the address ends in ?wall), legible from several metres: one tile per device, the worst first, and the
+// last fault. The size of the text depends on the width of the screen and on the number of devices.
+
+import { element, Mark, setAttribute, setText } from "./dom.js";
+import { lookOfDevice, lookOfModule, lookOfSeverity } from "./looks.js";
+import { clock } from "./words.js";
+
+const kWorst = ["bad", "poor", "plain", "faint", "good"];
+const kListed = 3;   // modules that a tile names
+const kTiles = 12;   // tiles that fit at full size
+
+const rank = (look) => kWorst.indexOf(look.look);
+
+class Tile {
+  constructor(name) {
+    this.mark = new Mark();
+    this.count = element("p", { class: "faint" });
+    this.modules = element("ul");
+    this.element = element("section", { dataset: { device: name } }, element("h2", { class: "name", text: name }), this.mark.element, this.count,
+      this.modules);
+  }
+
+  show(name, store) {
+    const look = lookOfDevice(store.devices.get(name));
+    const modules = store.modulesOf(name).map((module) => ({ module, look: lookOfModule(store.shown(module)) }));
+    const trouble = modules.filter(({ look }) => look.look !== "good").sort((a, b) => rank(a.look) - rank(b.look));
+    this.rank = Math.min(rank(look), ...trouble.map(({ look }) => rank(look)));
+    this.mark.show(look);
+    setAttribute(this.element, "data-look", kWorst[this.rank]);
+    setText(this.count, `${modules.length - trouble.length} of ${modules.length} EXECUTING`);
+    const lost = look.key === "lost" || look.key === "none";  // one word for the device says the same about its modules
+    const lines = lost ? [] : trouble.slice(0, kListed).map(({ module, look }) => ({ name: module.label, look }));
+    const more = lost ? 0 : trouble.length - lines.length;
+    const shown = JSON.stringify([lines, more]);
+    if (shown === this.shown) return;
+    this.shown = shown;
+    this.modules.replaceChildren(...lines.map(({ name, look }) => {
+      const mark = new Mark();
+      mark.show(look);
+      return element("li", {}, element("span", { class: "name", text: name }), mark.element);
+    }), more > 0 ? element("li", { text: `and ${more} more` }) : "");
+  }
+}
+
+export class Wall {
+  #store;
+  #tiles = new Map();
+
+  constructor(store) {
+    this.#store = store;
+    this.grid = element("div", { class: "tiles" });
+    this.fault = new Mark("p");
+    this.element = element("div", { class: "wall-view" }, this.grid, this.fault.element);
+  }
+
+  show() {
+    this.#showAll();
+  }
+
+  update() {
+    this.#showAll();
+  }
+
+  #showAll() {
+    const names = this.#store.deviceNames;
+    for (const name of this.#tiles.keys()) if (!names.includes(name)) this.#tiles.delete(name);
+    for (const name of names) {
+      if (!this.#tiles.has(name)) this.#tiles.set(name, new Tile(name));
+      this.#tiles.get(name).show(name, this.#store);
+    }
+    const tiles = [...this.#tiles.values()].sort((a, b) => a.rank - b.rank);
+    const order = tiles.map(({ element }) => element);
+    if (order.some((one, i) => this.grid.children[i] !== one) || this.grid.children.length !== order.length) this.grid.replaceChildren(...order);
+    this.element.style.setProperty("--shrink", Math.min(1, Math.sqrt(kTiles / Math.max(names.length, 1))));
+    const last = this.#store.faults.findLast((event) => event.severity !== "note");
+    if (!last) this.fault.show({ look: "faint", sign: "good", word: "no recent errors or warnings" });
+    else {
+      const of = last.module ? `${last.device}.${last.module}` : last.device;
+      const times = last.count > 1 ? ` (${last.count} times)` : "";
+      this.fault.show({ ...lookOfSeverity(last.severity), word: `${clock(last.time_ms)} ${of}: ${last.error || last.kind}${times} ${last.cause ?? ""}` });
+    }
+  }
+}
