@@ -138,15 +138,40 @@ model::Type reply_type() {
   return reply;
 }
 
+constexpr dds::Quality kReliable{.reliable = true, .depth = 32, .deadline = {}, .lifespan = {}};
+
+/// Records the last reply to any client, as JSON.
+class Replies {
+ public:
+  explicit Replies(const std::shared_ptr<dds::Participant>& participant) {
+    auto made = dds::Tap::create(participant, {.topic = "takt/reply", .type = type_, .quality = kReliable},
+                                 [this](const std::byte* data, std::size_t size, std::int64_t) {
+                                   const std::lock_guard lock{mutex_};
+                                   last_ = model::sample_json(type_, data, size);
+                                 });
+    EXPECT_TRUE(made.ok());
+    if (made.ok()) tap_ = std::move(*made);
+  }
+
+  std::string last() const {
+    const std::lock_guard lock{mutex_};
+    return last_;
+  }
+
+ private:
+  const model::Type type_ = reply_type();
+  mutable std::mutex mutex_;
+  std::string last_;
+  std::unique_ptr<dds::Tap> tap_;
+};
+
 TEST(Commands, AreAnsweredOnlyAfterTheReplyReaderHasMatched) {
-  const dds::Quality reliable{.reliable = true, .depth = 32, .deadline = {}, .lifespan = {}};
   const model::Type command = command_type();
-  const model::Type reply = reply_type();
   Peer server{{"server", "d", "0"}};
   ASSERT_TRUE(server.prints("ready"));
   auto participant = participate();
   auto writer =
-      dds::Feed::create(participant, {.topic = "takt/command", .type = command, .quality = reliable});
+      dds::Feed::create(participant, {.topic = "takt/command", .type = command, .quality = kReliable});
   ASSERT_TRUE(writer.ok());
   ASSERT_TRUE(soon([&] { return (*writer)->health().matched == 1; }));
   std::this_thread::sleep_for(300ms);  // time for the server's reader to match this writer
@@ -155,46 +180,26 @@ TEST(Commands, AreAnsweredOnlyAfterTheReplyReaderHasMatched) {
   ASSERT_TRUE((*writer)->write(bytes->data(), bytes->size()));
   ASSERT_TRUE(server.prints("handled raw 0"));
   std::this_thread::sleep_for(500ms);  // a server that ignored the missing reader would reply now
-  std::mutex mutex;
-  std::string heard;
-  auto reader = dds::Tap::create(participant, {.topic = "takt/reply", .type = reply, .quality = reliable},
-                                 [&](const std::byte* data, std::size_t size, std::int64_t) {
-                                   const std::lock_guard lock{mutex};
-                                   heard = model::sample_json(reply, data, size);
-                                 });
-  ASSERT_TRUE(reader.ok());
-  EXPECT_TRUE(soon([&] {
-    const std::lock_guard lock{mutex};
-    return heard.find("for raw") != std::string::npos;
-  })) << heard;
+  Replies replies{participant};
+  EXPECT_TRUE(soon([&] { return replies.last().find("for raw") != std::string::npos; })) << replies.last();
 }
 
 TEST(Commands, WithDamagedDataAreRejected) {
-  const dds::Quality reliable{.reliable = true, .depth = 32, .deadline = {}, .lifespan = {}};
   const model::Type command = command_type();
-  const model::Type reply = reply_type();
   Peer server{{"server", "d", "0"}};
   ASSERT_TRUE(server.prints("ready"));
   auto participant = participate();
-  std::mutex mutex;
-  std::string heard;
-  auto reader = dds::Tap::create(participant, {.topic = "takt/reply", .type = reply, .quality = reliable},
-                                 [&](const std::byte* data, std::size_t size, std::int64_t) {
-                                   const std::lock_guard lock{mutex};
-                                   heard = model::sample_json(reply, data, size);
-                                 });
-  ASSERT_TRUE(reader.ok());
+  Replies replies{participant};
   auto writer =
-      dds::Feed::create(participant, {.topic = "takt/command", .type = command, .quality = reliable});
+      dds::Feed::create(participant, {.topic = "takt/command", .type = command, .quality = kReliable});
   ASSERT_TRUE(writer.ok());
   const auto bytes =
       model::sample_bytes(command, R"({"id": "raw", "device": "d", "parts": 1, "data": [120, 1]})");
   ASSERT_TRUE(bytes.ok());
   EXPECT_TRUE(soon([&] {
     if ((*writer)->write(bytes->data(), bytes->size())) std::this_thread::sleep_for(10ms);
-    const std::lock_guard lock{mutex};
-    return heard.find("the data of the command are damaged") != std::string::npos;
-  })) << heard;
+    return replies.last().find("the data of the command are damaged") != std::string::npos;
+  })) << replies.last();
   server.write("refused");
   EXPECT_TRUE(server.prints("refused 1"));
 }
@@ -321,19 +326,6 @@ TEST(Commands, AboveTheRateLimitDoNotBlockOtherClients) {
   EXPECT_TRUE(counted);
 }
 
-std::string in_hex(Command& command) {
-  CommandPubSubType type;
-  dds::rtps::SerializedPayload_t payload{type.m_typeSize};
-  EXPECT_TRUE(type.serialize(&command, &payload));
-  std::string text;
-  for (std::uint32_t i = 0; i < payload.length; ++i) {
-    std::array<char, 3> digits{};
-    std::snprintf(digits.data(), digits.size(), "%02x", payload.data[i]);
-    text += digits.data();
-  }
-  return text;
-}
-
 TEST(Commands, ThatAreForgedDoNotBlockValidCommands) {
   Peer server{{"server", "d", "0"}};
   ASSERT_TRUE(server.prints("ready"));
@@ -343,7 +335,7 @@ TEST(Commands, ThatAreForgedDoNotBlockValidCommands) {
   good.kind(COMMAND_STOP);
   good.parts(2);  // the second part is never sent, so no forged command becomes complete
   good.data(std::vector<std::uint8_t>(100, 7));
-  Peer forger{{"forge", "takt/command", "takt::Command", "plain", "3000", in_hex(good)}};
+  Peer forger{{"forge", "takt/command", "takt::Command", "plain", "3000", in_hex<CommandPubSubType>(good)}};
   ASSERT_TRUE(forger.prints("forged"));
   TestClient client{participate()};
   client.send("honest");

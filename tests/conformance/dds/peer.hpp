@@ -1,11 +1,16 @@
 // Runs the program peer.cpp in another process. The tests communicate with it over DDS and over pipes.
 #pragma once
 
+#include <array>
 #include <chrono>
+#include <cstdint>
+#include <cstdio>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include <fastdds/rtps/common/SerializedPayload.h>
 
 #include <long_enough.hpp>
 
@@ -39,6 +44,21 @@ class Peer {
   int out_ = -1;
   std::string read_;
 };
+
+/// Returns a sample in its wire format, as hexadecimal digits, as `dds_peer forge` takes it.
+template <class Generated>
+std::string in_hex(typename Generated::type& sample) {
+  Generated type;
+  eprosima::fastrtps::rtps::SerializedPayload_t payload{type.m_typeSize};
+  type.serialize(&sample, &payload);
+  std::string text;
+  for (std::uint32_t i = 0; i < payload.length; ++i) {
+    std::array<char, 3> digits{};
+    std::snprintf(digits.data(), digits.size(), "%02x", payload.data[i]);
+    text += digits.data();
+  }
+  return text;
+}
 
 /// Checks the condition every millisecond until it holds. Returns false if it does not hold within `limit`.
 template <class Condition>

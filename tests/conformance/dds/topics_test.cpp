@@ -1,10 +1,8 @@
 // Tests, between several processes, the topics on which nodes publish their state.
-#include <fastcdr/Cdr.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include <array>
 #include <atomic>
 #include <map>
 #include <memory>
@@ -272,21 +270,6 @@ TEST(DeviceTopic, IsAcknowledgedAtOnceIfTheWriterWaitsForIt) {
   }));
 }
 
-/// Returns a sample in its wire format, as hexadecimal digits.
-template <class Generated>
-std::string wire(typename Generated::type& sample) {
-  Generated type;
-  dds::rtps::SerializedPayload_t payload{type.m_typeSize};
-  type.serialize(&sample, &payload);
-  std::string text;
-  for (std::uint32_t i = 0; i < payload.length; ++i) {
-    std::array<char, 3> digits{};
-    std::snprintf(digits.data(), digits.size(), "%02x", payload.data[i]);
-    text += digits.data();
-  }
-  return text;
-}
-
 TEST(DeviceTopic, DeliversValidSamplesDespiteThousandsOfForgedOnes) {
   Devices devices;
   auto reader = dds::Reader<DeviceStatus>::create(participate(), devices.listener());
@@ -296,8 +279,8 @@ TEST(DeviceTopic, DeliversValidSamplesDespiteThousandsOfForgedOnes) {
   status.device("d");
   status.node("n");
   status.text("well");
-  Peer forger{
-      {"forge", "takt/device", "takt::DeviceStatus", "keyed", "3000", wire<DeviceStatusPubSubType>(status)}};
+  Peer forger{{"forge", "takt/device", "takt::DeviceStatus", "keyed", "3000",
+               in_hex<DeviceStatusPubSubType>(status)}};
   ASSERT_TRUE(forger.prints("forged"));
   EXPECT_GT(reader->refused(), 1000U);
   Peer honest{{"device", "honest"}};
