@@ -194,6 +194,27 @@ class Watch(takt_system.Case):
         self.leave(terminal, run, lambda: terminal.press("q"))
         self.finish()
 
+    def test_takt_watch_shows_the_newest_values_of_the_ports_of_a_module(self):
+        self.running = self.nodes("robot", "line")
+        self.deploy(os.path.join("..", "web", "cell.xml"))
+        terminal, run = self.open(rows=40)
+        terminal.wait_for(r"^ +sink +\* EXECUTING")
+        self.choose(terminal, "sink")
+        terminal.press(ENTER)
+        terminal.wait_for(r"^  in +in +\S+ +\d+ \* ok")
+        value = r"^      number: (\d+)"
+        def number():
+            return int(next((re.match(value, line)[1] for line in terminal.lines if re.match(value, line)), 0))
+        before = wait_until(number, "a value of the port")
+        wait_until(lambda: number() > before, "a newer value of the port")
+        self.done("stop robot.source")
+        terminal.wait_for(value + r".* \(\d+ s ago\)$")
+        self.done("start robot.source")
+        terminal.press("p")
+        terminal.wait_for(r"^line\.fails$")
+        self.leave(terminal, run, lambda: terminal.press("q"))
+        self.finish()
+
     def test_takt_watch_reacts_to_keys_while_a_command_is_unanswered(self):
         self.cell()
         terminal, run = self.open()

@@ -39,8 +39,10 @@ TEST(WatchDetails, ShowAllDataOfAModule) {
               .type = "motion::Setpoint",
               .connected = true,
               .samples = 77,
-              .health = {.deadline = std::chrono::milliseconds{20}}},
+              .health = {.deadline = std::chrono::milliseconds{20}},
+              .source = "line.plan.out"},
              {.name = "spare", .output = true, .type = "motion::State"}};
+  snapshot.values = {{"line.plan.out", "angle: 1.25"}};
   m.transitions = {{.time_ns = 0, .text = "IDLE -> INITIALIZE"},
                    {.time_ns = 1, .text = "INITIALIZE -> START"}};
   const std::string page = text_of(details_page(snapshot, "robot.m0", 80, {}));
@@ -63,6 +65,7 @@ TEST(WatchDetails, ShowAllDataOfAModule) {
                            "in  setpoint",
                            "motion::Setpoint",
                            "77 ! STALE",
+                           "\n      angle: 1.25\n",
                            "out spare",
                            "not connected",
                            "INITIALIZE -> START"})

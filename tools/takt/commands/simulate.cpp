@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include <takt/client/connection.hpp>
+#include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/files.hpp>

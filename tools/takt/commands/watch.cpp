@@ -26,6 +26,7 @@
 #include "commands/commands.hpp"
 #include "commands/load.hpp"
 #include "commands/network_options.hpp"
+#include "commands/port_values.hpp"
 #include "commands/ranges.hpp"
 #include "commands/target.hpp"
 #include "reports/run_report.hpp"
@@ -203,7 +204,7 @@ class Requests {
 class Screen {
  public:
   Screen(const client::Connection& client, News& news)
-      : news_(news), client_(client), watched_(client.domain) {}
+      : news_(news), client_(client), watched_(client.domain), values_(client) {}
 
   int show(const os::SignalQueue& signals, double seconds);
 
@@ -211,6 +212,8 @@ class Screen {
   void take_news();
   void ask_for_descriptors(const std::vector<wire::ObservedDevice>& devices);
   void ask_for_components(const std::vector<wire::ObservedDevice>& devices);
+  /// Adds to the snapshot the newest samples of the ports of the module whose details are shown.
+  void add_values();
   /// Sends the first of the commands `steps`. When a command has succeeded, sends the next one.
   void send(const watch::Command& command, std::vector<CommandKind> steps);
   /// Handles all keys that were pressed. Returns false if the user wants to quit.
@@ -220,6 +223,7 @@ class Screen {
   News& news_;
   const client::Connection& client_;
   Watched watched_;
+  PortValues values_;
   os::Keyboard keyboard_;
   watch::View view_;
   watch::Snapshot snapshot_;
@@ -257,6 +261,19 @@ void Screen::ask_for_components(const std::vector<wire::ObservedDevice>& devices
       watched_.add_components(name, components_in(client::checked_report(report)));
     }));
   });
+}
+
+void Screen::add_values() {
+  std::vector<std::string> ports;
+  const watch::Module* const module =
+      view_.page == watch::Page::details ? snapshot_.module(view_.chosen) : nullptr;
+  if (module != nullptr) {
+    for (const watch::Port& port : module->ports) {
+      if (!port.source.empty()) ports.push_back(port.source);
+    }
+  }
+  values_.want(ports);
+  snapshot_.values = values_.newest();
 }
 
 void Screen::send(const watch::Command& command, std::vector<CommandKind> steps) {
@@ -339,6 +356,7 @@ int Screen::show(const os::SignalQueue& signals, double seconds) {
       ask_for_components(devices);
       snapshot_ = watched_.snapshot(devices, os::now());
       snapshot_.searching = os::now() - begin < client_.sender->search_limit();
+      add_values();
     }
     if (!press_keys()) return leave(0);
     if (!draw()) return leave(1);

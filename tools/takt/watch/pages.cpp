@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -94,7 +95,8 @@ void run_time(std::vector<Line>& page, const Module& module, std::size_t columns
   page.push_back(line_of("", "max", run.max));
 }
 
-void ports(std::vector<Line>& page, const Module& module, std::size_t columns, ScreenStyle style) {
+void ports(std::vector<Line>& page, const Module& module, const std::map<std::string, std::string>& values,
+           std::size_t columns, ScreenStyle style) {
   if (module.ports.empty()) return;
   page.emplace_back();
   std::size_t name = 8;
@@ -118,6 +120,8 @@ void ports(std::vector<Line>& page, const Module& module, std::size_t columns, S
       line.add("not connected", Ink::dim);
     }
     page.push_back(line);
+    if (const auto value = values.find(port.source); value != values.end())
+      page.push_back(Line{}.gap(6).add(value->second));
   }
 }
 
@@ -134,7 +138,8 @@ void transitions(std::vector<Line>& page, const Module& module) {
   }
 }
 
-std::vector<Line> module_page(const Device& device, const Module& module, std::size_t columns,
+std::vector<Line> module_page(const Device& device, const Module& module,
+                              const std::map<std::string, std::string>& values, std::size_t columns,
                               ScreenStyle style) {
   std::vector<Line> page;
   const State state = state_of(device, module, style);
@@ -161,7 +166,7 @@ std::vector<Line> module_page(const Device& device, const Module& module, std::s
     page.push_back(labelled("measured").add("no measurements yet", Ink::dim));
   }
   transitions(page, module);
-  ports(page, module, columns, style);
+  ports(page, module, values, columns, style);
   return page;
 }
 
@@ -223,7 +228,7 @@ std::vector<Line> details_page(const Snapshot& snapshot, const std::string& targ
   const Module* const module = snapshot.module(target);
   if (device == nullptr || (module == nullptr && target.find('.') != std::string::npos))
     return {Line{}.gap(2).add(target + " no longer exists", Ink::warning)};
-  return module != nullptr ? module_page(*device, *module, columns, style)
+  return module != nullptr ? module_page(*device, *module, snapshot.values, columns, style)
                            : device_page(*device, columns, style);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,6 +49,7 @@ struct Port {
   bool connected = false;
   std::uint64_t samples = 0;
   CellHealth::Connection health{};
+  std::string source{};  ///< the output that writes its samples, "device.module.port"; empty if none is known
 };
 
 struct Transition {
@@ -112,8 +114,10 @@ struct Snapshot {
   bool searching = false;  ///< `takt watch` began so recently that it may not have found the devices yet
   std::vector<Device> devices{};
   std::vector<Connection> connections{};
-  bool connections_known = false;       ///< true: at least one node has reported its connections
-  std::vector<std::string> events{};    ///< the newest events, oldest first
+  bool connections_known = false;     ///< true: at least one node has reported its connections
+  std::vector<std::string> events{};  ///< the newest events, oldest first
+  /// The newest samples of the outputs that the details need, by "device.module.port".
+  std::map<std::string, std::string> values{};
   std::vector<std::string> commands{};  ///< unanswered commands, with their age: "stop of robot.servo, 3 s"
 
   /// The device of `target`, which is "DEVICE" or "DEVICE.MODULE". Null if the device no longer exists.

@@ -119,12 +119,16 @@ std::vector<watch::Port> ports_of(const std::vector<wire::ObservedDevice>& devic
     const model::Endpoint here{device.name(), module, name};
     const model::Connection* const connection = cell == nullptr ? nullptr : connection_of(here, *cell);
     const bool end_lost = !device.alive || (cell != nullptr && has_lost_end(devices, here, *cell));
+    const model::Endpoint source = status.output()         ? here
+                                   : connection != nullptr ? connection->from
+                                                           : model::Endpoint{};
     ports.push_back({.name = name,
                      .output = status.output(),
                      .type = status.type().to_string(),
                      .connected = status.connections() > 0,
                      .samples = status.samples(),
-                     .health = health_of(web::observed(at->second), connection, end_lost)});
+                     .health = health_of(web::observed(at->second), connection, end_lost),
+                     .source = source.given() ? end_text(source) : ""});
   }
   return ports;
 }
