@@ -147,6 +147,10 @@ int run_node(const NodeOptions& options) {
   LogThread log_thread;  // outlives all that logs
   const bool keeps_files = !options.state_folder.empty() && (!temporary || options.state_folder_given);
   if (keeps_files) {
+    // Create the folder before the check, so that no other user can create it after the check. If this fails,
+    // the fault record reports it.
+    std::error_code error;
+    std::filesystem::create_directories(options.state_folder, error);
     if (auto writers = os::check_writers(options.state_folder); !writers) return refuse(writers.problems());
   }
   const bool real_time = os::may_be_real_time().ok();

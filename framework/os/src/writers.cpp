@@ -4,6 +4,7 @@
 #include <grp.h>
 #include <pwd.h>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <array>
@@ -18,6 +19,7 @@
 
 #include <takt/os/environment.hpp>
 #include <takt/os/fd.hpp>
+#include <takt/os/sealed_copy.hpp>
 #include "error.hpp"
 
 namespace takt::os {
@@ -79,8 +81,14 @@ std::optional<std::string> untrusted_group(gid_t id) {
   return is_trusted(owner->pw_uid) ? std::nullopt : std::optional{name};
 }
 
+/// Returns true if an access control list gives further users or groups access. The rights of the group in
+/// the mode are then the most that any of them may do.
+bool has_access_list(const Fd& entry) {
+  return ::getxattr(path_of(entry).c_str(), "system.posix_acl_access", nullptr, 0) > 0;
+}
+
 /// Checks the owner and the access rights of one part of a path.
-Result<void> check_part(const std::string& name, const struct stat& status) {
+Result<void> check_part(const std::string& name, const Fd& entry, const struct stat& status) {
   if (!is_trusted(status.st_uid)) {
     const std::string owner = user_name(status.st_uid);
     const std::string ours = user_name(::geteuid());
@@ -97,9 +105,18 @@ Result<void> check_part(const std::string& name, const struct stat& status) {
   if ((status.st_mode & S_IWOTH) != 0)
     return fail("everybody may write to " + name + rights(), "run chmod o-w " + name);
   if ((status.st_mode & S_IWGRP) == 0) return {};
+  if (has_access_list(entry))
+    return fail("an access control list lets other users write to " + name + rights(),
+                "run setfacl -b " + name);
   if (const auto group = untrusted_group(status.st_gid))
     return fail("group " + *group + " may write to " + name + rights(), "run chmod g-w " + name);
   return {};
+}
+
+/// Returns true if other users may create files in a folder that passes check_part().
+bool others_may_create(const struct stat& folder) {
+  return (folder.st_mode & S_IWOTH) != 0 ||
+         ((folder.st_mode & S_IWGRP) != 0 && untrusted_group(folder.st_gid));
 }
 
 /// The parts of a path that are still to be opened.
@@ -134,19 +151,26 @@ Result<void> check_writers(const std::string& path) {
   fs::path place = "/";
   struct stat status {};
   if (!folder || ::fstat(folder.get(), &status) != 0) return errno_problem(path);
-  if (auto checked = check_part("/", status); !checked) return checked;
+  if (auto checked = check_part("/", folder, status); !checked) return checked;
+  const struct stat of_root = status;
+  struct stat of_folder = status;
   int links = 0;
   while (const auto part = rest.next()) {
     if (part->empty() || *part == ".") continue;
     const fs::path here = *part == ".." ? place.parent_path() : place / *part;
     Fd entry{::openat(folder.get(), part->c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC)};
+    if (!entry && errno == ENOENT && others_may_create(of_folder)) {
+      return fail(here.string() + " does not exist, and other users may create it",
+                  "create it first, or name another folder");
+    }
     // This part does not exist, or Takt may not enter it. Only trusted users can change this, so the check
     // succeeds.
     if (!entry && (errno == ENOENT || errno == ENOTDIR || errno == EACCES)) return {};
     if (!entry || ::fstat(entry.get(), &status) != 0) return errno_problem(path);
-    if (auto checked = check_part(here.string(), status); !checked) return checked;
+    if (auto checked = check_part(here.string(), entry, status); !checked) return checked;
     if (!S_ISLNK(status.st_mode)) {
       folder = std::move(entry);
+      of_folder = status;
       place = here;
       continue;
     }
@@ -159,6 +183,7 @@ Result<void> check_writers(const std::string& path) {
     if (!target.is_absolute()) continue;
     folder = root();
     if (!folder) return errno_problem(path);
+    of_folder = of_root;
     place = "/";
   }
   return {};

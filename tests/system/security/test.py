@@ -551,6 +551,14 @@ class Components(takt_system.Case):
         os.chmod(state, 0o755)
         self.end({"d": self.node("d", "--resume")})
 
+    def test_a_node_creates_its_state_folder_in_a_folder_where_others_may_create_files(self):
+        shared = os.path.join(self.folder, "shared")
+        os.mkdir(shared)
+        os.chmod(shared, 0o1777)
+        state = os.path.join(shared, "takt", "state")
+        self.end({"d": self.node("d", "--resume", "--state-dir", state)})
+        self.assertNotEqual([], os.listdir(state))
+
     def test_takt_reports_an_invalid_signing_certificate(self):
         other = self.write("other.pem", "nothing")
         for file, what in (("nosuch.pem", "there is no such file"), (other, "it is not a certificate")):

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <limits>
 
-#include <takt/os/environment.hpp>
+#include <temporary_folder.hpp>
 
 #include "fake_device.hpp"
 
@@ -22,7 +22,7 @@ using Phase = Supervised::Phase;
 class ResumingAgent : public testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::string folder_ = testing::TempDir() + "takt-agent-" + std::to_string(os::process_id());
+  std::string folder_ = temporary_folder("agent");
   std::shared_ptr<node::DeploymentFile> file_ = std::make_shared<node::DeploymentFile>(folder_, "robot", 7);
 };
 
@@ -230,6 +230,7 @@ TEST_F(ResumingAgent, KeepsTheGridIfTheWallClockChangesWithinTheSameBoot) {
 }
 
 TEST_F(ResumingAgent, RetriesAFailedSaveAndReportsItOnlyOnce) {
+  std::filesystem::remove_all(folder_);
   std::ofstream{folder_} << "a file where a folder should be";
   FakeDevice device{file_};
   device.become_running();

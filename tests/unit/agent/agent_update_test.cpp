@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <takt/os/environment.hpp>
+#include <temporary_folder.hpp>
 #include <takt/wire/words.hpp>
 
 #include "fake_device.hpp"
@@ -145,7 +145,7 @@ class AgentUpdate : public testing::Test {
     device.agent.step();
   }
 
-  std::string folder_ = testing::TempDir() + "takt-update-" + std::to_string(os::process_id());
+  std::string folder_ = temporary_folder("update");
   std::shared_ptr<node::DeploymentFile> file_ = std::make_shared<node::DeploymentFile>(folder_, "robot", 7);
   FakeDevice device{file_};
 };

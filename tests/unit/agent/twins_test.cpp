@@ -8,9 +8,8 @@
 #include <memory>
 #include <optional>
 
-#include <takt/os/environment.hpp>
-
 #include <full_form.hpp>
+#include <temporary_folder.hpp>
 
 #include "fake_device.hpp"
 
@@ -55,11 +54,10 @@ class Twins : public testing::Test {
     std::optional<Nanoseconds> heard_at[2];  ///< when this node has heard the other node, and line
   };
 
-  void SetUp() override { std::filesystem::remove_all(folder_); }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   void start(std::size_t i) {
-    nodes_[i] = std::make_unique<Node>(folder_ + std::to_string(i), i == 0 ? first_id_ : second_id_);
+    nodes_[i] = std::make_unique<Node>(folder_ + "/" + std::to_string(i), i == 0 ? first_id_ : second_id_);
     nodes_[i]->device.now = from_ns(5'000'000'000) + time_;
     nodes_[i]->device.agent.resume();
   }
@@ -151,7 +149,7 @@ class Twins : public testing::Test {
     }
   }
 
-  std::string folder_ = testing::TempDir() + "takt-twins-" + std::to_string(os::process_id()) + "-";
+  std::string folder_ = temporary_folder("twins");
   std::unique_ptr<Node> nodes_[2];
 };
 

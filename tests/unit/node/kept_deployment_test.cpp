@@ -7,8 +7,9 @@
 #include <fstream>
 #include <sstream>
 
+#include <temporary_folder.hpp>
+
 #include <takt/os/clock.hpp>
-#include <takt/os/environment.hpp>
 #include "whole_file.hpp"
 
 namespace takt::node::kept_deployment_test {
@@ -28,7 +29,7 @@ class StoredDeployment : public testing::Test {
   }
   void write(const std::string& text) const { std::ofstream{file_.path()} << text; }
 
-  std::string folder_ = testing::TempDir() + "takt-kept-" + std::to_string(os::process_id());
+  std::string folder_ = temporary_folder("kept");
   DeploymentFile file_{folder_, "robot", 7};
   agent::KeptDeployment deployment_{.id = "a1",
                                     .transaction = "a2",

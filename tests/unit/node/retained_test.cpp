@@ -12,7 +12,8 @@
 #include <thread>
 #include <vector>
 
-#include <takt/os/environment.hpp>
+#include <temporary_folder.hpp>
+
 #include "whole_file.hpp"
 
 namespace takt::node::retained_test {
@@ -38,7 +39,7 @@ class RetainedState : public testing::Test {
     return read ? text_of(*other) : in_words(read.problems());
   }
 
-  std::string folder_ = testing::TempDir() + "takt-retained-" + std::to_string(os::process_id());
+  std::string folder_ = temporary_folder("retained");
   SavedFile file_{folder_, "cell", "robot", "servo"};
   std::unique_ptr<channel::SavedState> state = std::make_unique<channel::SavedState>();
 };
@@ -122,6 +123,7 @@ TEST_F(RetainedState, ReportsThatAnUpdateFailed) {
 }
 
 TEST_F(RetainedState, ReportsAFailedWriteAndTheRecoveryOnceEach) {
+  std::filesystem::remove_all(folder_);
   std::ofstream{folder_} << "a file where a folder should be";
   std::mutex mutex;
   std::vector<std::string> reports;

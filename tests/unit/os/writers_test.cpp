@@ -2,8 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
+#include <array>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -92,6 +95,38 @@ TEST_F(Writers, AcceptsAMissingFileOnlyIfNobodyElseCanCreateIt) {
   EXPECT_EQ(problem(file_ / "below_a_file"), "");
   rights(home_ / "folder", 0777);
   EXPECT_THAT(problem(home_ / "folder/new/file"), HasSubstr("everybody may write to "));
+}
+
+TEST_F(Writers, RejectsAMissingFileThatOthersMayCreateInAFolderWithTheStickyBit) {
+  rights(home_ / "folder", 01777);
+  EXPECT_THAT(problem(home_ / "folder/new/file"),
+              HasSubstr((home_ / "folder/new").string() +
+                        " does not exist, and other users may create it; create it first"));
+  fs::create_symlink("folder/new", home_ / "link");
+  EXPECT_THAT(problem(home_ / "link"), HasSubstr("other users may create it"));
+  rights(home_ / "folder", 01755);
+  EXPECT_EQ(problem(home_ / "link"), "");
+  EXPECT_EQ(problem(home_ / "folder/new/file"), "");
+}
+
+TEST_F(Writers, RejectsAFileToWhichAnAccessListLetsAnotherUserWrite) {
+  // An access list that lets its owner and user 54321 read and write, and others only read.
+  struct Entry {
+    std::uint16_t tag;
+    std::uint16_t rights;
+    std::uint32_t id;
+  };
+  constexpr std::uint32_t kNobody = ~0U;
+  const struct {
+    std::uint32_t version = 2;
+    std::array<Entry, 5> entries{
+        {{1, 6, kNobody}, {2, 6, kStranger}, {4, 4, kNobody}, {16, 6, kNobody}, {32, 4, kNobody}}};
+  } list;
+  if (::setxattr(file_.c_str(), "system.posix_acl_access", &list, sizeof list, 0) != 0)
+    GTEST_SKIP() << "no access control lists in " << home_;
+  EXPECT_THAT(problem(file_),
+              HasSubstr("an access control list lets other users write to " + file_.string() + " (owner "));
+  EXPECT_THAT(problem(file_), HasSubstr("; run setfacl -b " + file_.string()));
 }
 
 TEST_F(Writers, ChecksEveryFolderFromTheRootToARelativePath) {
