@@ -10,6 +10,7 @@
 
 #include <takt/core/words.hpp>
 #include <takt/os/files.hpp>
+#include <takt/os/writers.hpp>
 #include <takt/security/signature.hpp>
 #include "pki.hpp"
 
@@ -34,6 +35,7 @@ constexpr std::int64_t kBefore = 3600;  // s
 constexpr std::int64_t kAuthorityDays = 3650;
 
 Result<std::string> read_authority_file(const fs::path& path) {
+  if (auto writers = os::check_writers(path.string()); !writers) return writers.problems();
   auto content = os::read_file(path.string(), kMostAuthorityBytes);
   if (!content) return content.problems();
   if (!*content)
@@ -206,8 +208,9 @@ Result<void> Authority::issue(const Subject& subject, const Plan& plan, int days
   }
   for (const Subject& other : named(subject.name)) {
     if (other.role != subject.role)
-      return fail(std::string{to_text(other.role)} + " " + subject.name + " already has this name",
-                  "give each identity a different name, because takt secure renew and revoke take only a name");
+      return fail(
+          std::string{to_text(other.role)} + " " + subject.name + " already has this name",
+          "give each identity a different name, because takt secure renew and revoke take only a name");
   }
   const std::int64_t until = std::min(now + days * kDay, valid_until(*inside_->identity));
   const Key key = make_key();

@@ -25,6 +25,7 @@ class Folder {
   explicit Folder(std::string path) : path_(std::move(path)) {}
 
   std::string read(const char* file) {
+    if (auto writers = os::check_writers(path_of(file)); !writers) add(file, writers.problems());
     auto content = os::read_file(path_of(file), kMostIdentityBytes);
     if (!content) {
       add(file, content.problems());
@@ -57,8 +58,6 @@ class Folder {
 };
 
 void check_access_of_others(Folder& folder) {
-  if (auto writers = os::check_writers(folder.path_of(kPrivateKey)); !writers)
-    folder.add(kPrivateKey, writers.problems());
   const auto rights = os::rights_of(folder.path_of(kPrivateKey));
   if (!rights) return;  // the function that reads the key reports this problem
   if (rights->group_reads || rights->group_writes || rights->others_read || rights->others_write) {

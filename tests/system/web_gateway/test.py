@@ -167,6 +167,32 @@ class Gateway(takt_system.Case):
         last = max((i for i, data in enumerate(told) if data["whole"]), default=0)
         return [f for data in told[last:] for f in data["events"]]
 
+    def test_the_gateway_rejects_a_token_file_that_another_user_can_replace(self):
+        shared = os.path.join(self.folder, "shared")
+        os.mkdir(shared)
+        token = self.write("shared/token", "0123456789abcdef0123456789abcdef\n")
+        os.chmod(token, 0o600)
+        link = os.path.join(self.folder, "link")
+        os.symlink(token, link)
+
+        def refused(pattern):
+            for path in (token, link):
+                run = self.takt("web", "--port", "0", "--token-file", path)
+                self.assertEqual(1, run.status, run.out)
+                self.assertRegex(run.err, pattern)
+        os.chmod(shared, 0o777)
+        refused("everybody may write to %s " % shared)
+        os.chmod(shared, 0o755)
+        if os.getuid() == 0:
+            os.chown(token, 12345, -1)
+            refused("%s belongs to user 12345, who can replace it" % token)
+            os.chown(token, 0, -1)
+        self.finish_web(self.web("--token-file", link))
+
+    def finish_web(self, run):
+        run.signal(signal.SIGINT)
+        self.assertEqual((0, ""), (run.wait().status, run.err))
+
     def test_the_gateway_accepts_commands_only_with_the_token(self):
         run = self.cell()
         self.assertIsNone(self.token)

@@ -62,6 +62,27 @@ class SigningAuthority : public testing::Test {
   std::optional<Authority> authority_;
 };
 
+TEST_F(SigningAuthority, RejectsAnIdentityWithAFileThatEverybodyMayWriteTo) {
+  fs::permissions(of_robot(), fs::perms{0755});
+  for (const char* file : {kIdentityAuthority, kAccessAuthority, kCertificate, kPrivateKey, kRevoked,
+                           kGovernance, kPermissions}) {
+    const fs::path path = fs::path{of_robot()} / file;
+    const fs::perms before = fs::status(path).permissions();
+    fs::permissions(path, fs::perms::others_write, fs::perm_options::add);
+    EXPECT_THAT(wrong_with_robot(), HasSubstr("everybody may write to " + path.string() + " "));
+    fs::permissions(path, before);
+  }
+  EXPECT_EQ(wrong_with_robot(), "");
+}
+
+TEST_F(SigningAuthority, DoesNotOpenWithAKeyThatEverybodyMayReplace) {
+  const fs::path own = fs::path{home()} / "authority";
+  fs::permissions(own, fs::perms{0777});
+  const auto opened = Authority::open(home());
+  ASSERT_FALSE(opened.ok());
+  EXPECT_THAT(to_text(opened.problems()), HasSubstr("everybody may write to " + own.string() + " "));
+}
+
 TEST_F(SigningAuthority, IssuesAValidIdentityFolder) {
   const auto identity = read_identity(of_robot(), kNow);
   ASSERT_TRUE(identity.ok()) << to_text(identity.problems());

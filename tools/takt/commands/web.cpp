@@ -10,6 +10,7 @@
 #include <takt/os/environment.hpp>
 #include <takt/os/files.hpp>
 #include <takt/os/signals.hpp>
+#include <takt/os/writers.hpp>
 
 #include "commands/commands.hpp"
 #include "commands/load.hpp"
@@ -37,6 +38,7 @@ struct WebOptions {
 Result<std::string> token_of(const WebOptions& options) {
   if (options.token_file.empty()) return options.commands ? web::random_word(16) : std::string{};
   namespace fs = std::filesystem;
+  if (auto writers = os::check_writers(options.token_file); !writers) return writers.problems();
   std::error_code error;
   const fs::perms mode = fs::status(options.token_file, error).permissions();
   if (!error && (mode & (fs::perms::group_all | fs::perms::others_all)) != fs::perms::none) {
