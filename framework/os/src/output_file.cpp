@@ -16,6 +16,9 @@ std::optional<Problem> missing_folder(const std::string& path) {
 }
 
 Result<OutputFile> OutputFile::open(const std::string& path) {
+  // Opening such a path would not work for a socket, and would overwrite the beginning of a regular file.
+  if (path == "/dev/stdout" || path == "/dev/fd/1" || path == "/proc/self/fd/1")
+    return OutputFile{"standard output", stdout};
   if (std::FILE* const file = std::fopen(path.c_str(), "wbe"); file != nullptr) return OutputFile{path, file};
   const int error = errno;
   if (const auto missing = missing_folder(path)) return *missing;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <set>
@@ -340,7 +341,9 @@ int record(const RecordOptions& options) {
   if (!recorder.recorded().empty()) return 0;
   if (!options.recording.append) {  // otherwise the next attempt would fail, because the empty file exists
     writer->reset();
-    if (const auto removed = os::remove_file(file); !removed) return refuse(removed.problems());
+    std::error_code error;
+    const auto itself = std::filesystem::canonical(file, error);  // if `file` is a link, the link stays
+    if (const auto removed = os::remove_file(itself.string()); !removed) return refuse(removed.problems());
   }
   return 1;
 }

@@ -47,6 +47,9 @@ Result<std::unique_ptr<RecordingWriter>> RecordingWriter::create(const Recording
   if (options.max_bytes != 0 && options.max_bytes < kLeastRecording)
     return Problem{where, "a size limit of " + std::to_string(options.max_bytes) + " bytes is too small",
                    "use at least 1 MB"};
+  // SQLite creates further files beside a recording, and a device cannot be recorded into.
+  if (there && !std::filesystem::is_regular_file(options.file, none))
+    return Problem{where, "is not a regular file", "record into another file"};
   if (there && !options.append)
     return Problem{where, "exists already", "use --append to add samples to it, or record into another file"};
   auto database = Database::open(options.file, there ? Access::append : Access::create);

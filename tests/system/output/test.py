@@ -4,8 +4,11 @@ import os
 import pty
 import select
 import signal
+import stat
+import subprocess
 import sys
 import termios
+import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
@@ -18,6 +21,17 @@ CHATTY = """<cell name="chatty"><device name="bench">
   </module>
 </device></cell>
 """
+SOURCE = """<cell name="sampled"><device name="bench">
+  <module>
+    <name>source</name> <filename>port_source.so</filename> <moduletype>thread</moduletype> <operationtype>periodic</operationtype>
+    <period>2ms</period> <priority>1</priority>
+  </module>
+</device></cell>
+"""
+# All commands that write a file which the user names, but takt bench, which measures first.
+WRITERS = ("check cell.xml --svg FILE", "graph cell.xml --svg FILE", "simulate cell.xml --for 0.1 --trace FILE",
+           "run cell.xml --for 0.1 --quiet --profile FILE", "plot samples.takt bench.source.out.number --csv FILE",
+           "plot samples.takt bench.source.out.number --svg FILE", "trace short.json -o FILE", "trace short.json --svg FILE")
 
 
 class Output(takt_system.Case):
@@ -64,6 +78,83 @@ class Output(takt_system.Case):
         self.assertTrue(device["alive"])
         self.assertGreater(device["executors"][0]["cycles"] + device["executors"][0]["missed"], 200)
         self.assertEqual({"DESTRUCT"}, {m["state"] for m in device["modules"]})
+
+    def sampled(self):
+        """Writes the recording samples.takt and the trace short.json of a running cell."""
+        node = self.node("bench")
+        self.deploy(self.write("source.xml", SOURCE))
+        self.done("record --out samples.takt bench.source.out --for 0.5", "trace bench -o short.json")
+        self.done("undeploy sampled")
+        self.end({"bench": node})
+
+    def write_file(self, command, path):
+        """Runs a command of WRITERS with this path as FILE. Returns its exit status and its last error line."""
+        run = self.takt(*command.replace("FILE", path).split())
+        return run.status, run.err.rstrip("\n").split("\n")[-1]
+
+    def test_commands_write_into_the_device_pipe_or_link_target_that_the_user_names(self):
+        self.sampled()
+        path = lambda name: os.path.join(self.folder, name)
+        for command in WRITERS:
+            with self.subTest(command=command):
+                os.mkfifo(path("pipe"))
+                with open(path("got"), "wb") as got:
+                    reader = subprocess.Popen(["cat", path("pipe")], stdout=got)
+                self.assertEqual(0, self.write_file(command, "pipe")[0])
+                self.assertEqual(0, reader.wait())
+                self.assertTrue(stat.S_ISFIFO(os.lstat(path("pipe")).st_mode))
+                self.assertGreater(os.path.getsize(path("got")), 100)
+                for target in ("old", "new"):
+                    if target == "old":
+                        self.write("old", "before")
+                    os.symlink(target, path("link"))
+                    self.assertEqual(0, self.write_file(command, "link")[0])
+                    self.assertEqual(target, os.readlink(path("link")))
+                    self.assertGreater(os.path.getsize(path(target)), 100)
+                    os.remove(path("link"))
+                    os.remove(path(target))
+                os.remove(path("pipe"))
+
+    @unittest.skipUnless(os.getuid() == 0, "only root can make devices")
+    def test_commands_write_into_a_device_and_report_that_it_is_full(self):
+        self.sampled()
+        path = lambda name: os.path.join(self.folder, name)
+        # Not those of /dev, so that the test cannot harm the machine.
+        for name, number in (("null", 3), ("full", 7)):
+            os.mknod(path(name), 0o666 | stat.S_IFCHR, os.makedev(1, number))
+        before = sorted(os.listdir(self.folder))
+        for command in WRITERS:
+            with self.subTest(command=command):
+                self.assertEqual(0, self.write_file(command, "null")[0])
+                self.assertEqual((1, "full: error: was not written completely; check whether the disk is full"),
+                                 self.write_file(command, "full"))
+        for options in ((), ("--append",)):
+            run = self.takt("record", "--out", "null", "bench.source.out", "--for", "1", *options)
+            self.assertEqual((1, "null: error: is not a regular file; record into another file"), (run.status, run.err.rstrip()))
+        for name in ("null", "full"):
+            self.assertTrue(stat.S_ISCHR(os.lstat(path(name)).st_mode))
+        self.assertEqual(before, sorted(os.listdir(self.folder)))
+
+    def test_an_output_file_named_dev_stdout_continues_standard_output(self):
+        # With a /dev of its own, so that the test cannot harm the machine.
+        own = ("unshare", "-m", "sh", "-c", "mount -t tmpfs tmpfs /dev && mknod -m 666 /dev/null c 1 3 && ln -s /proc/self/fd /dev/fd && "
+               'ln -s /proc/self/fd/1 /dev/stdout && %s')
+        for command in ("check cell.xml --svg FILE", "graph cell.xml --svg FILE", "simulate cell.xml --for 0.1 --trace FILE"):
+            for name in ("/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"):
+                with self.subTest(command=command, name=name):
+                    words = command.replace("FILE", name).split()
+                    piped = self.takt(*words, before=[*own[:-1], own[-1] % 'exec "$0" "$@"'])
+                    self.assertEqual(0, piped.status, piped.err)
+                    to_file = self.takt(*words, before=[*own[:-1], own[-1] % 'exec "$0" "$@" >out'])
+                    self.assertEqual(0, to_file.status, to_file.err)
+                    self.assertEqual(piped.out.rstrip("\n"), self.read("out").rstrip("\n"))
+
+    def test_takt_record_leaves_a_link_to_a_recording_without_samples(self):
+        os.symlink("target.takt", os.path.join(self.folder, "link.takt"))
+        run = self.takt("record", "--out", "link.takt", "bench.source.out", "--for", "0.5")
+        self.assertEqual(1, run.status, run.err)
+        self.assertEqual("target.takt", os.readlink(os.path.join(self.folder, "link.takt")))
+        self.assertFalse(os.path.exists(os.path.join(self.folder, "target.takt")))
 
     def assert_commands_work(self, error, block):
         """Runs a chatty program on a node with this standard error, which nothing reads after block()."""

@@ -1,6 +1,7 @@
 #include <takt/recording/writer.hpp>
 
 #include <sys/fsuid.h>
+#include <sys/stat.h>
 
 #include <cstring>
 #include <filesystem>
@@ -85,6 +86,19 @@ RecordingOptions quick(const std::string& file) {
   options.file = file;
   options.flush = std::chrono::milliseconds{1};
   return options;
+}
+
+TEST_F(RecordingFile, IsNeverAPipeOrDevice) {
+  ASSERT_EQ(0, ::mkfifo(file().c_str(), 0600));
+  for (const bool append : {false, true}) {
+    RecordingOptions options = quick(file());
+    options.append = append;
+    const auto writer = RecordingWriter::create(options);
+    ASSERT_FALSE(writer.ok());
+    EXPECT_EQ(to_text(writer.problems()),
+              file() + ": error: is not a regular file; record into another file");
+  }
+  EXPECT_EQ(1, std::distance(std::filesystem::directory_iterator{folder_}, {})) << "no journal beside it";
 }
 
 TEST_F(RecordingFile, KeepsSamplesInOrder) {

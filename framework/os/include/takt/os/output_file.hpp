@@ -19,8 +19,9 @@ std::optional<Problem> missing_folder(const std::string& path);
 
 class OutputFile {
  public:
-  /// Creates the file, or empties an existing file. Fails if the folder does not exist, or if this user may
-  /// not write to the file.
+  /// Creates the file, or empties an existing file. Writes into devices and FIFOs, and through links. For
+  /// /dev/stdout, continues standard output where it is. Fails if the folder does not exist, or if this user
+  /// may not write to the file.
   static Result<OutputFile> open(const std::string& path);
   /// Like open(), but "-" means standard output.
   static Result<OutputFile> open_or_standard(const std::string& path);
