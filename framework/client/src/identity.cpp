@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include <takt/core/words.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/security/choice.hpp>
 #include <takt/security/identity.hpp>
@@ -22,7 +23,7 @@ Result<std::string> identity_of(const Network& network) {
     // Do not print the fixes of these problems, because a revoked operator should not be told how to get a
     // new certificate.
     for (const Problem& problem : chosen.passed_over)
-      std::fprintf(stderr, "%s: %s\n", problem.where.c_str(), problem.what.c_str());
+      std::fprintf(stderr, "%s\n", on_one_line(problem.where + ": " + problem.what).c_str());
     std::fprintf(stderr, "using the identity of operator %s instead\n", subject.name.c_str());
   }
   if (subject.role == Role::operator_ || subject.role == Role::observer) return chosen.folder;

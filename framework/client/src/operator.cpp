@@ -13,6 +13,7 @@
 
 #include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
+#include <takt/model/validate.hpp>
 #include <takt/wire/question.hpp>
 #include <takt/wire/validation.hpp>
 #include <takt/wire/words.hpp>
@@ -333,7 +334,7 @@ std::map<std::string, bool> Operator::silent() const {
   std::map<std::string, bool> devices;
   for (const auto& [name, sends_more] : inside_->participant->announced()) {
     const std::string device = name.starts_with(kNode) ? name.substr(kNode.size()) : std::string{};
-    if (!device.empty() && observer_.devices(device).empty()) devices[device] |= sends_more;
+    if (model::is_valid_name(device) && observer_.devices(device).empty()) devices[device] |= sends_more;
   }
   return devices;
 }

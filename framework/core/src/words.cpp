@@ -114,6 +114,20 @@ std::string on_one_line(std::string_view text) {
   return line;
 }
 
+std::string xml_reference(std::string_view character) {
+  std::uint32_t code = static_cast<unsigned char>(character[0]);
+  if (const std::size_t length = utf8_length(character); length > 1) {
+    code &= 0x7fU >> length;
+    for (std::size_t i = 1; i < length; ++i)
+      code = code << 6U | (static_cast<unsigned char>(character[i]) & 0x3fU);
+  } else if (length == 0 || (code < 0x20 && code != '\t' && code != '\n' && code != '\r')) {
+    return on_one_line(character);
+  }
+  std::array<char, 16> reference{};
+  std::snprintf(reference.data(), reference.size(), "&#x%x;", code);
+  return reference.data();
+}
+
 std::string brief(std::string_view text) {
   if (text.size() <= kLongestQuote) return on_one_line(text);
   // Cut only between characters, because half a character would be invalid UTF-8.

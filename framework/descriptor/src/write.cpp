@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include <takt/core/control_character.hpp>
+#include <takt/core/words.hpp>
+
 namespace takt::descriptor {
 
 namespace {
@@ -52,11 +55,15 @@ class Writer {
 }  // namespace
 
 std::string escaped(std::string_view text) {
-  // Write carriage returns as references, because a parser may convert them. Write a text of only white space
+  // Write carriage returns as references, because a parser may convert them, and other control
+  // characters, because they could control a terminal. Write a text of only white space
   // as references, because a parser would ignore it.
   const bool blank = text.find_first_not_of(" \t\r\n") == std::string_view::npos;
   std::string result;
-  for (const char c : text) {
+  while (!text.empty()) {
+    const std::string_view character = text.substr(0, std::max<std::size_t>(utf8_length(text), 1));
+    text.remove_prefix(character.size());
+    const char c = character[0];
     if (c == '&')
       result += "&amp;";
     else if (c == '<')
@@ -65,10 +72,10 @@ std::string escaped(std::string_view text) {
       result += "&gt;";
     else if (c == '"')
       result += "&quot;";
-    else if (c == '\r' || (blank && (c == ' ' || c == '\t' || c == '\n')))
-      result += "&#" + std::to_string(static_cast<int>(c)) + ";";
+    else if ((is_control_character(character) && c != '\t' && c != '\n') || (blank && character.size() == 1))
+      result += xml_reference(character);
     else
-      result += c;
+      result += character;
   }
   return result;
 }

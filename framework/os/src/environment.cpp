@@ -12,6 +12,7 @@
 #include <fstream>
 #include <string_view>
 
+#include <takt/core/words.hpp>
 #include <takt/os/files.hpp>
 #include "error.hpp"
 
@@ -52,7 +53,7 @@ std::vector<std::string> program_arguments() {
 
 std::string host_name() {
   std::array<char, 256> name{};
-  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "localhost";
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? on_one_line(name.data()) : "localhost";
 }
 
 int process_id() { return ::getpid(); }

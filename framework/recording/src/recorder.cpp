@@ -82,7 +82,7 @@ class Recorder {
 
   void say(const std::string& text) {
     if (options_.progress) options_.progress("");
-    std::fprintf(stderr, "%s: %s\n", options_.who.c_str(), text.c_str());
+    std::fprintf(stderr, "%s\n", on_one_line(options_.who + ": " + text).c_str());
   }
 
  private:

@@ -29,6 +29,16 @@ TEST(QuotedText, StaysOnOneLine) {
   EXPECT_EQ(in_quotes("gr\u00f6\u00dfe \u20ac"), "'gr\u00f6\u00dfe \u20ac'");
 }
 
+TEST(XmlReference, NamesEachControlCharacterThatXmlAllows) {
+  EXPECT_EQ(xml_reference("\r"), "&#xd;");
+  EXPECT_EQ(xml_reference("\x7f"), "&#x7f;");
+  EXPECT_EQ(xml_reference("\u009b"), "&#x9b;");
+  EXPECT_EQ(xml_reference("\u061c"), "&#x61c;");
+  EXPECT_EQ(xml_reference("\u202e"), "&#x202e;");
+  EXPECT_EQ(xml_reference("\x1b"), "\\x1b") << "XML has no reference to it";
+  EXPECT_EQ(xml_reference("\xff"), "\\xff") << "not UTF-8";
+}
+
 TEST(QuotedText, IsNeverCutInsideAMultibyteCharacter) {
   EXPECT_EQ(in_quotes(std::string(80, 'x')), "'" + std::string(80, 'x') + "'");
   EXPECT_EQ(in_quotes(std::string(81, 'x')), "'" + std::string(40, 'x') + "..." + std::string(20, 'x') + "'");

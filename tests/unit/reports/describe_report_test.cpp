@@ -123,6 +123,27 @@ TEST(DescribeReport, PrintsOneJsonObjectPerLine) {
   EXPECT_EQ(object["hash"], "3fa91c02");
 }
 
+TEST(DescribeReport, EscapesControlCharactersOfAComponent) {
+  const std::string odd = "a\x1b[31m\u009b\u202e\nb";
+  Described described = belt();
+  described.path = "/c/" + odd;
+  described.component.name = odd;
+  described.component.properties = {{"label", "string", odd, odd, "", "", odd, odd},
+                                    {"direction", "string", "c\u202e\u009b\rd\ne", "", "", "", "", ""}};
+  described.component.ports[0].text = odd;
+  const std::string escaped = R"(a\x1b[31m\xc2\x9b\xe2\x80\xae\nb)";
+  for (const std::string& text :
+       {describe_text(described, {}), component_list_text({{odd, "c++", odd}}, {})}) {
+    EXPECT_THAT(text, HasSubstr(escaped));
+    EXPECT_THAT(text, Not(testing::ContainsRegex("[\x1b\r\u009b\u202e]|\nb")));
+  }
+  for (const std::string& xml : {describe_xml(described), iso22166_profile(described, std::nullopt)}) {
+    EXPECT_THAT(xml, HasSubstr("c&#x202e;&#x9b;&#xd;d\ne"));
+    EXPECT_THAT(xml, Not(testing::ContainsRegex("[\x1b\r\u009b\u202e]")));
+  }
+  EXPECT_THAT(describe_xml(described), Not(HasSubstr("name=\"label\""))) << "XML cannot express its default";
+}
+
 TEST(DescribeReport, ProposesTheOperationTypeThatAProgramUses) {
   Described described{"/c/p.exe", "", {.name = "p", .text = "A -- b --- c", .interface = "process"}};
   EXPECT_THAT(describe_xml(described),

@@ -1,11 +1,11 @@
 #include "commands/bring_up.hpp"
 
 #include <algorithm>
-#include <cstdio>
 
 #include <takt/wire/words.hpp>
 
 #include "terminal/screen_style.hpp"
+#include "terminal/terminal.hpp"
 
 namespace takt::tool {
 
@@ -41,7 +41,7 @@ BringUpProgress::BringUpProgress(const client::Connection& client, const model::
 
 void BringUpProgress::print(const std::string& text) {
   progress_.clear();
-  std::fprintf(stderr, "%s ...\n", text.c_str());
+  tell(text + " ...");
 }
 
 void BringUpProgress::end(bool went_well) {

@@ -1,6 +1,5 @@
 // takt deploy and takt undeploy: deploy a cell to the nodes on the network, or take it down.
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 
 #include <nlohmann/json.hpp>
@@ -30,7 +29,7 @@ struct DeployOptions {
   bool update = false;
 };
 
-void print_progress(const std::string& text) { std::fprintf(stderr, "%s ...\n", text.c_str()); }
+void print_progress(const std::string& text) { tell(text + " ..."); }
 
 int update_cell(client::Operator& sender, const Loaded& loaded, const std::function<bool()>& cancelled) {
   bool printed = true;
@@ -45,7 +44,7 @@ int update_cell(client::Operator& sender, const Loaded& loaded, const std::funct
   warn(updated.failed_modules);
   if (updated.problems.empty()) return print(updated.outcome + "\n") && printed ? 0 : 1;
   complain(updated.problems);
-  std::fprintf(stderr, "%s\n", updated.outcome.c_str());
+  tell(updated.outcome);
   return 1;
 }
 
@@ -57,8 +56,7 @@ int deploy(const DeployOptions& options) {
   }
   // Block the signals before any thread starts, because new threads inherit the set of blocked signals.
   const auto signals = os::SignalQueue::of_requests_to_end();
-  if (const std::string note = client::domain_note(options.network, loaded->cell); !note.empty())
-    std::fprintf(stderr, "%s\n", note.c_str());
+  if (const std::string note = client::domain_note(options.network, loaded->cell); !note.empty()) tell(note);
   const auto client = client::connect(options.network, &loaded->cell);
   if (!signals || !client) {
     complain(signals ? client.problems() : signals.problems());
@@ -96,7 +94,7 @@ int deploy(const DeployOptions& options) {
                                   ? "the devices are unchanged"
                                   : unknown + (many == 1 ? " has" : " have") +
                                         " not confirmed this; takt status shows whether the cell runs there";
-    std::fprintf(stderr, "cell %s was not deployed; %s\n", loaded->cell.name.c_str(), state.c_str());
+    tell("cell " + loaded->cell.name + " was not deployed; " + state);
     return 1;
   }
   warn(deployed->failed_modules);
@@ -140,8 +138,7 @@ int undeploy(const UndeployOptions& options) {
     problems.insert(problems.end(), one.problems.begin(), one.problems.end());
     const bool had_it = std::count(devices->names.begin(), devices->names.end(), one.device) != 0;
     if (one.problems.empty() && had_it) names += (names.empty() ? "" : ", ") + one.device;
-    for (const std::string& failure : one.failures)
-      std::fprintf(stderr, "failed earlier: %s\n", on_one_line(failure).c_str());
+    for (const std::string& failure : one.failures) tell("failed earlier: " + failure);
   }
   if (!problems.empty()) complain(problems);
   const bool printed = names.empty() || print("cell " + options.cell + " is undeployed from " + names + "\n");

@@ -157,7 +157,7 @@ int echo(const EchoOptions& options) {
       const std::string cause = cause_of_quiet(*client, *name);
       quiet_printed = !cause.empty() || now - last_sample >= kQuiet;
       if (!cause.empty()) {
-        std::fprintf(stderr, "no samples from %s: %s\n", options.port.c_str(), cause.c_str());
+        tell("no samples from " + options.port + ": " + cause);
       } else if (quiet_printed) {
         std::fprintf(stderr, "no sample from %s in the last %lld s\n", options.port.c_str(),
                      static_cast<long long>(kQuiet.count()));

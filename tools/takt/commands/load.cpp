@@ -4,6 +4,8 @@
 
 #include <takt/descriptor/descriptor.hpp>
 
+#include "terminal/terminal.hpp"
+
 namespace takt::tool {
 
 Result<Loaded> load_remote(const std::string& file) {
@@ -41,8 +43,7 @@ void complain(const Problems& problems) {
 
 void warn(const Problems& warnings) {
   for (const Problem& warning : warnings) {
-    std::fprintf(stderr, "%s: warning: %s%s%s\n", warning.where.c_str(), warning.what.c_str(),
-                 warning.fix.empty() ? "" : "; ", warning.fix.c_str());
+    tell(warning.where + ": warning: " + warning.what + (warning.fix.empty() ? "" : "; ") + warning.fix);
   }
 }
 

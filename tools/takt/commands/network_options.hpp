@@ -12,7 +12,9 @@
 namespace takt::tool {
 
 inline void add_network_options(CLI::App& app, client::Network& network) {
-  network.progress = [](const std::string& text) { std::fprintf(stderr, "%s ...\n", text.c_str()); };
+  network.progress = [](const std::string& text) {
+    std::fprintf(stderr, "%s ...\n", on_one_line(text).c_str());
+  };
   app.add_option("--domain", network.domain,
                  "the DDS domain, 0 to 232 (default: TAKT_DOMAIN, else the descriptor's, else 0)")
       ->type_name("N")

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <takt/core/words.hpp>
+
 #include "commands/commands.hpp"
 #include "commands/load.hpp"
 #include "scaffold/scaffold.hpp"
@@ -70,14 +72,15 @@ int make(const NewOptions& options) {
     complain(written.problems());
     return 1;
   }
-  std::string text = fmt::format("{}:", folder.string());
+  const std::string shown = on_one_line(folder.string());
+  std::string text = fmt::format("{}:", shown);
   for (const NewFile& file : *files) text += " " + file.name;
   text +=
-      cell ? fmt::format("\nnext:\n  takt run {}/{}.xml --for 5\n", folder.string(), name)
+      cell ? fmt::format("\nnext:\n  takt run {}/{}.xml --for 5\n", shown, name)
            : fmt::format(
                  "\nnext:\n  cd {0}\n  cmake -S . -B build && cmake --build build && ctest --test-dir build\n"
                  "  TAKT_COMPONENT_PATH=$PWD/build/components takt run {1}.xml --for 5\n",
-                 folder.string(), name);
+                 shown, name);
   return print(text) ? 0 : 1;
 }
 

@@ -264,8 +264,8 @@ void wait_for_readers(const std::map<std::int64_t, std::shared_ptr<dds::Feed>>& 
   for (const auto& [id, topic] : topics) {
     if (read(id)) continue;
     const std::string why = feeds.at(id)->health().incompatible;
-    std::fprintf(stderr, "takt play: topic %s has no reader%s\n", topic.c_str(),
-                 why.empty() ? "" : (": its readers require another " + why).c_str());
+    tell("takt play: topic " + topic + " has no reader" +
+         (why.empty() ? "" : ": its readers require another " + why));
   }
 }
 

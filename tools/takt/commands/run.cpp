@@ -1,7 +1,6 @@
 // takt run: runs a cell on this machine. Starts one takt-node for each device, and deploys the cell to these
 // nodes as `takt deploy` does.
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -326,8 +325,7 @@ int run(const RunOptions& options) {
     complain(domain.problems());
     return 1;
   }
-  if (const std::string note = client::domain_note(options.network, loaded->cell); !note.empty())
-    std::fprintf(stderr, "%s\n", note.c_str());
+  if (const std::string note = client::domain_note(options.network, loaded->cell); !note.empty()) tell(note);
   os::survive_broken_pipes();
   // Block the signals before any thread starts, because new threads inherit the set of blocked signals.
   const auto signals = os::SignalQueue::of_requests_to_end();
@@ -368,7 +366,7 @@ int run(const RunOptions& options) {
     const bool printed_above = std::any_of(problems.begin(), problems.end(), [&](const Problem& problem) {
       return to_text(problem) == failure;
     });
-    if (!printed_above) std::fprintf(stderr, "%s\n", failure.c_str());
+    if (!printed_above) tell(failure);
   }
   return problems.empty() && failures.empty() && printed ? 0 : 1;
 }

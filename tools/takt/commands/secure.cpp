@@ -179,10 +179,10 @@ int update_authority(const SecureOptions& options) {
       return device.name == member.subject.name;
     });
     if (member.subject.role != Role::device || member.revoked || in_cell) continue;
-    std::fprintf(stderr,
-                 "device %s is no longer in the cell, but its identity is still valid; "
-                 "use takt secure revoke %s %s to revoke it\n",
-                 member.subject.name.c_str(), options.folder.c_str(), member.subject.name.c_str());
+    tell(
+        fmt::format("device {0} is no longer in the cell, but its identity is still valid; use takt secure "
+                    "revoke {1} {0} to revoke it",
+                    member.subject.name, options.folder));
   }
   return show_authority(options.folder);
 }
@@ -342,7 +342,8 @@ void add_sign(CLI::App& app, Chosen& chosen) {
       if (!authority) return refuse(authority.problems());
       const auto certificate = authority->sign_components(*files, now_s());
       if (!certificate) return refuse(certificate.problems());
-      return print(fmt::format("{} signed; certificate: {}\n", files->size(), *certificate)) ? 0 : 1;
+      return print(fmt::format("{} signed; certificate: {}\n", files->size(), on_one_line(*certificate))) ? 0
+                                                                                                          : 1;
     };
   });
 }

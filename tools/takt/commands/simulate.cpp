@@ -118,16 +118,15 @@ int show_simulation(const SimulateOptions& options, const model::Cell& cell,
                  "takt: the components are not called; every module writes each of its outputs in every run, "
                  "so a queue may drop samples that the components would not write\n");
   }
-  for (const std::string& fault : course->without_effect)
-    std::fprintf(stderr, "takt: warning: %s\n", fault.c_str());
+  for (const std::string& fault : course->without_effect) tell("takt: warning: " + fault);
   bool all_done = true;
   for (const simulation::Report& action : course->reports) {
     all_done &= action.outcome == simulation::Outcome::done;
-    std::fprintf(stderr, "takt: operator: %s\n", on_one_line(to_text(action)).c_str());
+    tell("takt: operator: " + to_text(action));
   }
   if (!course->failures.empty()) complain(course->failures);
   for (const std::string& violation : course->violations)
-    std::fprintf(stderr, "takt: error: the simulation violated an invariant: %s\n", violation.c_str());
+    tell("takt: error: the simulation violated an invariant: " + violation);
   return course->failures.empty() && course->violations.empty() && all_done && printed ? 0 : 1;
 }
 
@@ -182,8 +181,7 @@ void warn_of_no_effect(const simulation::Options& simulated, const model::Cell& 
     else if (one.kind == simulation::Injection::Kind::swap &&
              device.modules[one.target].type == model::ModuleType::process)
       why = "the module is a program, and only a thread module can be swapped";
-    if (why != nullptr)
-      std::fprintf(stderr, "takt: warning: '%s' has no effect: %s\n", to_text(one, cell).c_str(), why);
+    if (why != nullptr) tell("takt: warning: '" + to_text(one, cell) + "' has no effect: " + why);
   }
 }
 

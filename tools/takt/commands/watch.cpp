@@ -328,7 +328,7 @@ bool Screen::draw() {
   shown_ = std::move(screen.shown);
   const std::string changes = watch::changes(on_terminal_, screen.lines);
   on_terminal_ = std::move(screen.lines);
-  return changes.empty() || print(changes);
+  return changes.empty() || print_unchanged(changes);
 }
 
 int Screen::show(const os::SignalQueue& signals, double seconds) {
@@ -338,9 +338,9 @@ int Screen::show(const os::SignalQueue& signals, double seconds) {
   const Instant end = begin + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(seconds));
   requests_.emplace(*client_.sender, news_.notice());
   // Switch to the alternate screen, hide the cursor, and turn line wrap off.
-  static_cast<void>(print("\033[?1049h\033[?25l\033[?7l"));
+  static_cast<void>(print_unchanged("\033[?1049h\033[?25l\033[?7l"));
   const auto leave = [](int status) {
-    static_cast<void>(print("\033[?7h\033[?25h\033[?1049l"));
+    static_cast<void>(print_unchanged("\033[?7h\033[?25h\033[?1049l"));
     return status;
   };
   Instant looked{};

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <takt/core/control_character.hpp>
+#include <takt/core/words.hpp>
+
 namespace takt::tool {
 
 namespace {
@@ -44,8 +47,11 @@ double width_of(std::string_view text, double size) {
 
 std::string escaped(std::string_view text) {
   std::string result;
-  for (const char c : text) {
-    switch (c) {
+  while (!text.empty()) {
+    const std::size_t length = utf8_length(text);
+    const std::string_view character = text.substr(0, std::max<std::size_t>(length, 1));
+    text.remove_prefix(character.size());
+    switch (const char c = character[0]; c) {
       case '&':
         result += "&amp;";
         break;
@@ -59,7 +65,11 @@ std::string escaped(std::string_view text) {
         result += "&quot;";
         break;
       default:
-        result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+        if (static_cast<unsigned char>(c) < 0x20)
+          result += ' ';
+        else
+          result += length == 0 || is_control_character(character) ? xml_reference(character)
+                                                                   : std::string{character};
     }
   }
   return result;

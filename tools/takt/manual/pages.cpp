@@ -317,14 +317,14 @@ std::string suggested_options(const CLI::App& program, const CLI::App& command) 
   const CLI::Option* device = program.get_option_no_throw("--device");  // an option of takt-node
   for (const std::string& word : program.remaining(true)) {
     if (!word.starts_with("-") && device != nullptr && device->empty())
-      lines += "write --device " + word + "\n";
+      lines += "write --device " + on_one_line(word) + "\n";
     if (!word.starts_with("--")) continue;
     const std::string unknown = word.substr(0, word.find('='));
     if (unknown == "--interface")
       lines += "there is no option --interface; set the environment variable TAKT_INTERFACE to the address\n";
     const std::string_view meant = nearest(unknown, {names.begin(), names.end()});
     if (!meant.empty())
-      lines += "there is no option " + unknown + "; did you mean " + std::string{meant} + "?\n";
+      lines += "there is no option " + on_one_line(unknown) + "; did you mean " + std::string{meant} + "?\n";
   }
   return lines;
 }
@@ -352,7 +352,7 @@ std::string what_is_wrong(const CLI::Error& error) {
 /// off the screen.
 std::string wrong_usage(const CLI::App* program, const CLI::Error& error) {
   const std::string help = program->help();
-  std::string wrong = std::string{"error: "} + what_is_wrong(error) + "\n";
+  std::string wrong = std::string{"error: "} + on_one_line(what_is_wrong(error)) + "\n";
   const CLI::App* meant = program;
   std::string name = program->get_name();
   while (!meant->get_subcommands().empty()) {

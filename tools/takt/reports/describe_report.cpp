@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <takt/core/control_character.hpp>
+#include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/model/safe.hpp>
 #include <takt/model/validate.hpp>
@@ -38,7 +40,10 @@ Page::Words wrapped_words(const std::string& text, std::size_t width) {
 
 /// Adds rows with aligned columns. The last column is a sentence, which is wrapped. If the other columns
 /// leave too little width for the sentence, the sentence goes on the next line.
-void rows(Page& page, std::size_t indent, const std::vector<Page::Words>& all) {
+void rows(Page& page, std::size_t indent, std::vector<Page::Words> all) {
+  for (Page::Words& row : all) {
+    for (std::string& cell : row) cell = on_one_line(cell);
+  }
   constexpr std::size_t kLittle = 30;
   std::vector<Page::Words> columns;
   for (const Page::Words& row : all) columns.emplace_back(row.begin(), row.end() - 1);
@@ -77,7 +82,8 @@ void add_module(Page& page, const model::Module& module) {
   if (module.deadline) how += " within " + to_text(*module.deadline);
   if (!module.executor.empty()) how += ", on executor " + module.executor;
   page.line(2, "module      " + how);
-  if (!module.arguments.empty()) page.line(2, "arguments   " + model::in_one_line(module.arguments));
+  if (!module.arguments.empty())
+    page.line(2, "arguments   " + on_one_line(model::in_one_line(module.arguments)));
 }
 
 /// The type of a request or reply as the user declared it, without the envelope that Takt adds.
@@ -119,7 +125,7 @@ void add_ports(Page& page, const Described& described) {
   const std::vector<std::size_t> widths = Page::widths_of(heads);
   for (std::size_t i = 0; i < ports.size(); ++i) {
     page.line(4, fmt::format("{:<5}  {:<{}}  {}", heads[i][0], heads[i][1], widths[1], heads[i][2]));
-    if (!ports[i].text.empty()) page.sentence(11, ports[i].text);
+    if (!ports[i].text.empty()) page.sentence(11, on_one_line(ports[i].text));
     const std::string safe =
         described.module ? model::read_safe(*described.module, ports[i]).json : ports[i].safe;
     if (!safe.empty()) page.sentence(11, "safe: " + safe);
@@ -161,7 +167,7 @@ void add_properties(Page& page, const Described& described) {
   }
   if (!described.module) return;
   for (const model::PropertyValue& value : described.module->properties) {
-    if (!is_declared(value.name)) page.line(4, value.name + " = " + value.value);
+    if (!is_declared(value.name)) page.line(4, on_one_line(value.name + " = " + value.value));
   }
 }
 
@@ -178,7 +184,11 @@ std::string proposed_name(const std::string& path) {
 /// True if a descriptor cannot express the property's default. describe_xml() leaves such a property out.
 bool is_inexpressible(const host::PropertyDescription& property) {
   const std::string& value = property.default_value;
-  return property.type == "double" && (value.ends_with("inf") || value.ends_with("nan"));
+  const auto has_no_reference = [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\n' && c != '\r';
+  };
+  return (property.type == "double" && (value.ends_with("inf") || value.ends_with("nan"))) ||
+         std::any_of(value.begin(), value.end(), has_no_reference);
 }
 
 bool has_event(const host::Description& component) {
@@ -210,12 +220,12 @@ std::string describe_text(const Described& described, Style style) {
   const host::Description& component = described.component;
   Page page{style};
   const std::string name =
-      described.module ? *described.device + "." + described.module->name : component.name;
+      described.module ? *described.device + "." + described.module->name : on_one_line(component.name);
   if (component.text.empty())
     page.line(0, page.bold(name));
   else
     page.heading(0, name, component.text);
-  page.line(2, "file        " + described.path);
+  page.line(2, "file        " + on_one_line(described.path));
   page.line(2, "version     " + (component.version.empty() ? "not stated" : component.version) + ", hash " +
                    described.hash);
   page.line(2, "interface   " + component.interface +
@@ -296,7 +306,7 @@ std::string component_list_text(const std::vector<host::ComponentFile>& files, S
   Page page{style};
   for (const auto& [folder, all] : folders) {
     if (folder != folders.begin()->first) page.blank();
-    page.line(0, page.bold(folder));
+    page.line(0, page.bold(on_one_line(folder)));
     rows(page, 2, all);
   }
   return std::move(page).take();
@@ -315,7 +325,11 @@ std::string component_list_json(const std::vector<host::ComponentFile>& files) {
 
 std::string escaped(const std::string& text) {
   std::string result;
-  for (const char c : text) {
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::size_t length = utf8_length(rest);
+    const std::string_view character = rest.substr(0, std::max<std::size_t>(length, 1));
+    rest.remove_prefix(character.size());
+    const char c = character[0];
     if (c == '&')
       result += "&amp;";
     else if (c == '<')
@@ -324,8 +338,10 @@ std::string escaped(const std::string& text) {
       result += "&gt;";
     else if (c == '"')
       result += "&quot;";
+    else if (length == 0 || (is_control_character(character) && c != '\t' && c != '\n'))
+      result += xml_reference(character);
     else
-      result += c;
+      result += character;
   }
   return result;
 }

@@ -6,6 +6,7 @@
 #include <takt/os/keyboard.hpp>
 
 #include "terminal/screen_style.hpp"
+#include "terminal/terminal.hpp"
 #include "watch/line.hpp"
 
 namespace takt::tool {
@@ -35,7 +36,7 @@ void Progress::keep(const std::string& text) {
   if (!seen_) return;
   const std::string before = shown_;
   clear();
-  std::fprintf(stderr, "%s\n", text.c_str());
+  tell(text);
   if (!before.empty()) show(before);
 }
 

@@ -20,6 +20,10 @@ std::string brief(std::string_view text);
 /// Does the same as brief(), but never shortens the text. Used for paths.
 std::string on_one_line(std::string_view text);
 
+/// Returns a control character of a text in XML as a reference such as "&#x202e;". XML has no references to
+/// most characters below U+0020, so these become escapes as in on_one_line(), as do invalid bytes.
+std::string xml_reference(std::string_view character);
+
 /// Returns "FILE:LINE" for the `where` of a Problem, or "line LINE" if `file` is empty. A line number below 1
 /// becomes 1.
 std::string location(std::string_view file, int line);
