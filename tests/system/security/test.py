@@ -1,9 +1,11 @@
 """Tests a cell with DDS Security in network namespaces, with strangers on the same network."""
 import json
+import mmap
 import os
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -17,6 +19,7 @@ from wear import taken_by
 
 PEER = os.environ.get("TAKT_DDS_PEER", "")
 CYCLONE = os.environ.get("TAKT_CYCLONE_PEER", "")
+RACES = os.environ.get("TAKT_RACES_LIBRARY", "")
 DEVICES = ("robot", "line")
 # This program records all packets that pass the switch, and writes them to a file on SIGTERM.
 SNIFF = r"""
@@ -517,6 +520,117 @@ class Components(takt_system.Case):
         again.wait_for_line(self.UNSIGNED % re.escape(self.file))
         self.assertEqual({}, self.states_of("d"))
         self.end({"d": again})
+
+    def race(self):
+        """Lets an attacker win the races for the files of the components (races.c). Returns a function that sets how many more times Takt
+        finds them before it finds the attacker's files, and returns how many times are left."""
+        evil = os.path.join(self.folder, "evil")
+        shutil.copytree(self.components, evil)
+        shutil.copy(self.built("intruder.so"), os.path.join(evil, "mine.so"))
+        mark = os.path.join(self.folder, "intruded")
+        program = os.path.join(evil, "fine.exe")
+        with open(program, "w") as file:
+            file.write("#!/bin/sh\ntouch %s\n" % mark)
+        os.chmod(program, 0o755)
+        word = os.path.join(self.folder, "race")
+        with open(word, "wb") as file:
+            file.write(struct.pack("<q", 1 << 40))
+        with open(word, "r+b") as file:
+            memory = mmap.mmap(file.fileno(), 8)
+        self.environment.update(LD_PRELOAD=RACES, TAKT_RACE=word, TAKT_RACE_FOLDER=self.components + "/", TAKT_RACE_OTHER=evil + "/",
+                                TAKT_INTRUDER=mark)
+
+        def times(number=None):
+            before = struct.unpack("<q", memory[:8])[0]
+            if number is not None:
+                memory[:8] = struct.pack("<q", number)
+            return before
+        self.intruded = lambda: os.path.exists(mark)
+        return times
+
+    def lose_every_race(self, times, step, repair=lambda: None):
+        """Carries out a step, in which the attacker replaces the components before the first use of their files, before the second use, and so
+        on, until the step uses no file any more."""
+        for number in range(30):
+            times(number)
+            step()
+            left = times(1 << 40)
+            self.assertFalse(self.intruded(), "the files were replaced after %d uses" % number)
+            repair()
+            if left > 0:
+                return number
+        self.fail("the step uses files again and again")
+
+    def raced_node(self):
+        """Starts a node with two signed components that an attacker replaces. Returns the node and the function of race()."""
+        self.end({"d": self.running(["mine.so", "fine.exe"])})
+        times = self.race()
+        return self.node("d", environment=self.environment), times
+
+    def lost(self, uses):
+        print("uses of the files of two components: %s" % uses)
+        for step, number in uses.items():
+            self.assertGreater(number, 1, step + " does not use the files, so it is no test")
+
+    def test_an_attacker_who_replaces_signed_components_during_a_check_or_deployment_cannot_run_code(self):
+        node, times = self.raced_node()
+        takt = lambda *words: lambda: self.takt(*words, environment=self.environment)
+        self.lost({"check": self.lose_every_race(times, takt("check", self.cell)),
+                   "describe .so": self.lose_every_race(times, takt("describe", self.file)),
+                   "describe .exe": self.lose_every_race(times, takt("describe", os.path.join(self.components, "fine.exe"))),
+                   "deploy": self.lose_every_race(times, lambda: self.takt("deploy", self.cell), lambda: self.takt("undeploy", "c"))})
+        self.end({"d": node})
+
+    def test_an_attacker_who_replaces_signed_components_during_a_restart_or_swap_cannot_run_code(self):
+        node, times = self.raced_node()
+        self.deploy(self.cell)
+        self.wait_for_states({"d": "EXECUTING"})
+        reset = lambda: self.takt("restart", "d.mine_so")
+        uses = {"reset": self.lose_every_race(times, reset, reset),
+                "swap": self.lose_every_race(times, lambda: self.takt("swap", "d.mine_so", "mine.so"))}
+
+        def crash():
+            starts = len(node.steps("fine_exe"))
+            os.kill(next(m["pid"] for m in self.status_of("d")["modules"] if m["name"] == "fine_exe"), signal.SIGKILL)
+            wait_until(lambda: {s.target for s in node.steps("fine_exe")[starts:]} & {"EXECUTING", "DESTRUCT"}, "the recovery of the program")
+
+        def restart():
+            self.done("restart d.fine_exe")
+            self.wait_for_states({"d": "EXECUTING"})
+        uses["recovery"] = self.lose_every_race(times, crash, restart)
+        self.lost(uses)
+
+        times(0)  # a new host loads the copy that was checked at the deployment
+        steps = len(node.steps("mine_so"))
+        os.kill(node.one("takt-host").pid, signal.SIGKILL)
+        wait_until(lambda: "EXECUTING" in [s.target for s in node.steps("mine_so")[steps:]], "the module to run in the new host")
+        self.assertFalse(self.intruded())
+        times(1 << 40)
+        self.end({"d": node})
+
+    def test_an_attacker_who_replaces_signed_components_while_a_node_resumes_cannot_run_code(self):
+        node, times = self.raced_node()
+        nodes = [node]
+        self.deploy(self.cell)
+
+        def resume():
+            nodes[0].signal(signal.SIGKILL)
+            nodes[0].wait()
+            nodes[0] = self.node("d", "--resume", environment=self.environment)
+            nodes[0].wait_for_line("START -> EXECUTING|signature does not match")
+        self.lost({"resume": self.lose_every_race(times, resume)})
+        self.end({"d": nodes[0]})
+
+    def test_the_attacker_of_the_races_runs_code_if_no_signature_is_required(self):
+        """Shows that the test of signed components would notice the attacker."""
+        self.replace("fine.exe", self.built("fine.exe"))
+        times = self.race()
+        times(0)
+        self.takt("describe", self.file, environment=self.environment)
+        self.assertTrue(self.intruded())
+        os.remove(os.path.join(self.folder, "intruded"))
+        self.takt("describe", os.path.join(self.components, "fine.exe"), environment=self.environment)
+        self.assertTrue(self.intruded())
 
     def test_the_crash_of_a_signed_component_is_reported_with_its_source_line(self):
         node = self.running(["segv.so", "fine.exe"])
