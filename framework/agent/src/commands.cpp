@@ -203,6 +203,7 @@ json Agent::lost_devices() const {
                          {"state", state}});
     }
     list.push_back({{"name", device.name}, {"modules", modules}});
+    if (const std::string why = options_.rejection_of(device.name); !why.empty()) list.back()["text"] = why;
   }
   return list;
 }

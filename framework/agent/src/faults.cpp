@@ -123,10 +123,12 @@ void Agent::check_devices() {
     const bool alive = std::any_of(seen.begin(), seen.end(), [](const auto& s) { return s.alive; });
     const auto [at, added] = devices_seen_.try_emplace(device.name, alive);
     if (std::exchange(at->second, alive) == alive || added) continue;
+    const std::string rejection = options_.rejection_of(device.name);
     std::string cause = "device " + device.name +
-                        (alive          ? " is back"
-                         : seen.empty() ? " has left"
-                                        : " is lost: nothing arrives from its node");
+                        (alive                ? " is back"
+                         : !rejection.empty() ? " is lost: " + rejection
+                         : seen.empty()       ? " has left"
+                                              : " is lost: nothing arrives from its node");
     // This node may have been stopped itself, so that the leases of the others ended meanwhile.
     if (!alive && !seen.empty() && options_.now() - stood_still_until_ < kLease)
       cause += "; this node did not run for " + takt::to_text(stood_still_for_);

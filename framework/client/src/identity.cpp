@@ -33,6 +33,17 @@ Result<std::string> identity_of(const Network& network) {
                  "give the identity folder of an operator or observer, such as DIR/operators/NAME"};
 }
 
+Result<void> check_identity(const dds::Participant& participant) {
+  const auto& identity = participant.identity();
+  if (!identity || os::wall_ns() / 1'000'000'000 < identity->until) return {};
+  const security::Subject& subject = identity->subject;
+  return Problem{
+      identity->folder,
+      std::string{"nodes no longer accept the identity of "} + to_text(subject.role) + " " + subject.name +
+          ": " + security::expired_text(identity->until),
+      "run takt secure renew DIR " + subject.name + ", copy its folder again and restart this program"};
+}
+
 Result<void> may_write(const dds::Participant& participant, const std::string& what) {
   const auto& identity = participant.identity();
   if (!identity || identity->subject.role != Role::observer) return {};

@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <takt/client/identity.hpp>
 #include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/model/validate.hpp>
@@ -155,6 +156,9 @@ std::vector<Result<wire::WholeReply>> Operator::send(const std::vector<CommandRe
   for (std::size_t i = 0; i < requests.size(); ++i) {
     if (const auto valid = check(requests[i]); !valid) states[i].outcome = valid.problems();
   }
+  if (const auto valid = check_identity(*inside_->participant); !valid) {
+    for (State& state : states) state.outcome = valid.problems();
+  }
   {
     const std::lock_guard lock{inside_->mutex};
     for (State& state : states) {
@@ -292,7 +296,9 @@ std::vector<Result<wire::WholeReply>> Operator::send(const std::vector<CommandRe
   return outcomes;
 }
 
-Problem Operator::lost(const std::string& device) {
+Problem Operator::lost(const std::string& device, std::string why) const {
+  if (why.empty()) why = inside_->participant->rejection_of(device);
+  if (!why.empty()) return {"device " + device, "it is lost: " + why, ""};
   return {"device " + device, "it is lost: its node no longer answers",
           std::string{wire::kLostRemedy} + "; takt log --kind device-lost shows since when it is lost"};
 }

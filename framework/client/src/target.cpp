@@ -50,7 +50,7 @@ Result<void> find_device(Operator& sender, const std::string& device, const std:
   const bool complete = reports->problems.empty() && reports->complete(observer);
   if (reports->lost.contains(device)) {
     if (observer.wait(is_found, kQuiet)) return {};  // it may just have come back
-    return Operator::lost(device);
+    return sender.lost(device, reports->lost.at(device).value("text", ""));
   }
   if (reports->named.contains(device) || sender.search(is_found, complete ? Nanoseconds{0} : limit, {device}))
     return {};

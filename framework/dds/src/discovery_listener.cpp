@@ -4,6 +4,7 @@
 #include <sstream>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fastrtps/utils/IPLocator.h>
 
@@ -71,6 +72,42 @@ std::string DiscoveryListener::who(const rtps::GuidPrefix_t& prefix) {
   return "participant " + in_quotes(seen.name) + where;
 }
 
+void DiscoveryListener::certified(const rtps::GuidPrefix_t& participant, const x509_st& certificate) {
+  const std::lock_guard lock{mutex_};
+  Certificate& of = certificates_[participant];
+  of = {.says = security::certified(certificate)};
+  if (of.says.subject.role == security::Role::device) rejections_.erase(of.says.subject.name);
+}
+
+void DiscoveryListener::reject_expired(std::int64_t now) {
+  std::vector<std::string> texts;
+  {
+    const std::lock_guard lock{mutex_};
+    for (auto& [prefix, each] : certificates_) {
+      if (each.rejected || now < each.says.until) continue;
+      each.rejected = true;
+      filter_.reject(number_in(prefix));
+      const security::Subject& subject = each.says.subject;
+      const std::string why =
+          "its identity is no longer accepted: " + security::expired_text(each.says.until) +
+          "; run takt secure renew DIR " + subject.name + ", copy its folder again and restart it";
+      if (subject.role == security::Role::device) rejections_[subject.name] = why;
+      const auto seen = seen_.find(prefix);
+      const std::string where =
+          seen == seen_.end() || seen->second.address.empty() ? "" : " at " + seen->second.address;
+      texts.push_back("rejected: " + std::string{to_text(subject.role)} + " " + subject.name + where + ": " +
+                      why);
+    }
+  }
+  for (const std::string& text : texts) notices_.tell_unlimited(text);
+}
+
+std::string DiscoveryListener::rejection_of(const std::string& device) {
+  const std::lock_guard lock{mutex_};
+  const auto found = rejections_.find(device);
+  return found == rejections_.end() ? std::string{} : found->second;
+}
+
 void DiscoveryListener::on_participant_discovery(fast::DomainParticipant*,
                                                  rtps::ParticipantDiscoveryInfo&& info) {
   using Info = rtps::ParticipantDiscoveryInfo;
@@ -78,7 +115,8 @@ void DiscoveryListener::on_participant_discovery(fast::DomainParticipant*,
   std::unique_lock lock{mutex_};
   if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
     seen_.erase(data.m_guid.guidPrefix);
-    unauthenticated_.left(number_in(data.m_guid.guidPrefix));
+    certificates_.erase(data.m_guid.guidPrefix);
+    filter_.unauthenticated.left(number_in(data.m_guid.guidPrefix));
     return;
   }
   if (seen_.size() >= kMostSeen) seen_.clear();
@@ -114,7 +152,7 @@ void DiscoveryListener::onParticipantAuthentication(fast::DomainParticipant*,
   if (info.status == rtps::ParticipantAuthenticationInfo::UNAUTHORIZED_PARTICIPANT)
     report_rejected(info.guid.guidPrefix);
   else
-    unauthenticated_.authenticated(number_in(info.guid.guidPrefix));
+    filter_.unauthenticated.authenticated(number_in(info.guid.guidPrefix));
 }
 
 bool DiscoveryListener::look(const std::string& message) {

@@ -12,8 +12,8 @@
 
 #include <takt/security/identity.hpp>
 #include <takt/wire/notices.hpp>
-#include <takt/wire/unauthenticated_participants.hpp>
 #include "inside.hpp"
+#include "packet_filter.hpp"
 
 namespace takt::dds {
 
@@ -23,10 +23,9 @@ std::optional<security::Subject> announced_subject(std::string_view text);
 
 class DiscoveryListener final : public fast::DomainParticipantListener {
  public:
-  /// `notices` and `unauthenticated` must outlive this object.
-  DiscoveryListener(security::Identity mine, wire::Notices& notices,
-                    wire::UnauthenticatedParticipants& unauthenticated)
-      : mine_(std::move(mine)), notices_(notices), unauthenticated_(unauthenticated) {}
+  /// `notices` and `filter` must outlive this object.
+  DiscoveryListener(security::Identity mine, wire::Notices& notices, PacketFilter& filter)
+      : mine_(std::move(mine)), notices_(notices), filter_(filter) {}
 
   [[nodiscard]] const security::Identity& mine() const noexcept { return mine_; }
 
@@ -44,7 +43,18 @@ class DiscoveryListener final : public fast::DomainParticipantListener {
   [[nodiscard]] std::string who(const rtps::GuidPrefix_t& prefix);
   void tell(const std::string& text) { notices_.tell(text); }
 
+  /// Notes the certificate of a participant that has authenticated.
+  void certified(const rtps::GuidPrefix_t& participant, const x509_st& certificate);
+  /// Rejects and reports the participants whose certificate has expired. `now`: in seconds since 1970.
+  void reject_expired(std::int64_t now);
+  /// Returns a sentence that says why this participant no longer accepts the device; empty if it accepts it.
+  [[nodiscard]] std::string rejection_of(const std::string& device);
+
  private:
+  struct Certificate {
+    security::Certified says;
+    bool rejected = false;
+  };
   struct Seen {
     std::string name;
     std::string address;
@@ -59,10 +69,12 @@ class DiscoveryListener final : public fast::DomainParticipantListener {
 
   security::Identity mine_;
   wire::Notices& notices_;
-  wire::UnauthenticatedParticipants& unauthenticated_;
+  PacketFilter& filter_;
   std::mutex mutex_;
   std::map<rtps::GuidPrefix_t, Seen> seen_;
-  std::map<std::string, security::Prefix> prefixes_;  // GUID prefixes of devices, by device name
+  std::map<rtps::GuidPrefix_t, Certificate> certificates_;  // of the participants that have authenticated
+  std::map<std::string, std::string> rejections_;           // why devices are rejected, by device name
+  std::map<std::string, security::Prefix> prefixes_;        // GUID prefixes of devices, by device name
 };
 
 }  // namespace takt::dds

@@ -64,6 +64,7 @@ class OwnParticipant final : public Participant {
   [[nodiscard]] std::vector<Announced> announced() const override;
 
   [[nodiscard]] std::string obstacle(const std::string& device) const override;
+  [[nodiscard]] std::string rejection_of(const std::string& device) const override;
   /// The status of this device comes from this participant.
   void is_device(const rtps::GuidPrefix_t& participant, const std::string& device);
 

@@ -27,6 +27,7 @@ void PacketFilter::pass(std::span<const std::uint8_t> packet, const os::Ipv4& fr
   const std::size_t readable = wire::readable_rtps(packet, secured_ ? &security::names_somebody : nullptr);
   if (readable == 0) return drop(from, "it is not a valid RTPS message");
   packet = packet.first(readable);
+  if (is_rejected(packet)) return;  // reported when it was rejected
   if (secured_) {
     if (!wire::is_protected_rtps(packet)) return drop(from, "it is not encrypted");
     const wire::Announcement announcement = wire::announcement_in(packet);
@@ -55,6 +56,18 @@ std::optional<Instant> PacketFilter::last_message_of(const wire::ParticipantNumb
   const std::lock_guard lock{mutex_};
   const auto found = last_messages_.find(participant);
   return found == last_messages_.end() ? std::nullopt : std::optional{found->second};
+}
+
+void PacketFilter::reject(const wire::ParticipantNumber& participant) {
+  const std::lock_guard lock{mutex_};
+  rejected_.insert(participant);
+  any_rejected_.store(true, std::memory_order_relaxed);
+}
+
+bool PacketFilter::is_rejected(std::span<const std::uint8_t> packet) const {
+  if (!any_rejected_.load(std::memory_order_relaxed)) return false;
+  const std::lock_guard lock{mutex_};
+  return rejected_.contains(wire::sender_of(packet));
 }
 
 void PacketFilter::drop(const os::Ipv4& from, const char* why) {

@@ -1,5 +1,6 @@
 // Drops packets that are not valid RTPS messages, before Fast DDS reads them. With DDS Security, it also
-// drops packets that are not encrypted, and announcements of unauthenticated participants above the limits.
+// drops packets that are not encrypted, those of participants whose certificate is no longer valid, and
+// announcements of unauthenticated participants above the limits.
 // While a reader is created or deleted, no packet is handled. Only the source files of this room include this
 // header.
 #pragma once
@@ -10,6 +11,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 
 #include <takt/core/time.hpp>
@@ -40,6 +42,9 @@ class PacketFilter {
            now == (here ? Silence::on_this_machine : Silence::on_other_machines);
   }
 
+  /// From now on, drops every packet of this participant, also its announcements.
+  void reject(const wire::ParticipantNumber& participant);
+
   /// Returns the sender of the packet that this thread handles, or has handled last.
   [[nodiscard]] static os::Ipv4 sender() noexcept;
 
@@ -54,11 +59,14 @@ class PacketFilter {
 
  private:
   void drop(const os::Ipv4& from, const char* why);
+  [[nodiscard]] bool is_rejected(std::span<const std::uint8_t> packet) const;
 
   wire::Notices& notices_;
   const bool secured_;
   mutable std::mutex mutex_;
   std::map<wire::ParticipantNumber, Instant> last_messages_;
+  std::set<wire::ParticipantNumber> rejected_;  // a new process has another number, so none is removed
+  std::atomic<bool> any_rejected_{false};
 };
 
 }  // namespace takt::dds

@@ -32,6 +32,7 @@
 #include "workarounds/message_size.hpp"
 #include "workarounds/own_announcement.hpp"
 #include "workarounds/participant_removal.hpp"
+#include "workarounds/peer_certificates.hpp"
 #include "workarounds/reader_checks.hpp"
 #include "workarounds/removed_readers.hpp"
 #include "workarounds/resends.hpp"
@@ -284,7 +285,10 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
     if (!identity) return refuse(identity.problems());
     set_security(qos, *identity);
     drop_spent_tokens();
-    listener = std::make_unique<DiscoveryListener>(std::move(*identity), *notices, filter->unauthenticated);
+    listener = std::make_unique<DiscoveryListener>(std::move(*identity), *notices, *filter);
+    look_at_certificates([to = listener.get()](const rtps::GuidPrefix_t& peer, const x509_st& certificate) {
+      to->certified(peer, certificate);
+    });
   }
 
   names->step(os::now());
@@ -352,6 +356,10 @@ std::vector<Participant::Announced> OwnParticipant::announced() const {
   return all;
 }
 
+std::string OwnParticipant::rejection_of(const std::string& device) const {
+  return discovery_listener_ == nullptr ? std::string{} : discovery_listener_->rejection_of(device);
+}
+
 void OwnParticipant::is_device(const rtps::GuidPrefix_t& participant, const std::string& device) {
   const std::lock_guard lock{mutex_};
   std::copy_n(participant.value, wire::ParticipantNumber{}.size(), devices_[device].begin());
@@ -365,6 +373,7 @@ void OwnParticipant::follow_machine(std::stop_token end) {
     const bool was_halted = os::boot_time() - last > kHalted;
     if (end.stop_requested()) return;
     names_->step(os::now());
+    if (discovery_listener_ != nullptr) discovery_listener_->reject_expired(os::wall_ns() / 1'000'000'000);
     follow_clients();
     if (was_halted && identity_) rejoin(*filter_, true);
     if (news_.take()) {
@@ -407,6 +416,7 @@ OwnParticipant::~OwnParticipant() {
   look_at_log(nullptr);
   participant_->delete_contained_entities();
   fast::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  if (discovery_listener_ != nullptr) look_at_certificates(nullptr);
   there_is_one = false;
 }
 

@@ -103,10 +103,23 @@ int refuse(const Problems& problems) {
   return 1;
 }
 
-void warn_of_expiry(const security::Identity& identity, const NodeOptions& options) {
+bool has_expired(const security::Identity& identity) {
+  return identity.until <= os::wall_ns() / 1'000'000'000;
+}
+
+/// Logs that the identity expires soon. Returns the text if it has expired, otherwise an empty text.
+std::string warn_of_expiry(const security::Identity& identity, const NodeOptions& options) {
   const std::string warning = security::expiry_warning(identity.until, os::wall_ns() / 1'000'000'000);
-  if (!warning.empty())
-    log(options.device, "", "warning: its identity must be renewed: " + warning + "; run takt secure renew");
+  if (warning.empty()) return {};
+  const bool expired = has_expired(identity);
+  const std::string text =
+      "its identity must be renewed: " + warning +
+      (expired
+           ? "; the other participants of the cell reject this node until it is started again with a new one"
+           : "") +
+      "; run takt secure renew DIR " + identity.subject.name + ", copy its folder again and restart the node";
+  log(options.device, "", "warning: " + text);
+  return expired ? text : std::string{};
 }
 
 /// Fails if the identity does not belong to this device, because no other participant would accept it.
@@ -206,22 +219,25 @@ int run_node(const NodeOptions& options) {
   auto dds_publisher = DdsPublisher::create(*participant);
   if (!dds_publisher) return refuse(dds_publisher.problems());
 
-  Agent::Options agent_options{.device = options.device,
-                               .node = new_node_id(),
-                               .domain = options.domain,
-                               .cell = secured ? (*participant)->identity()->subject.cell : "",
-                               .require_real_time = options.require_real_time,
-                               .real_time = real_time,
-                               .temporary = temporary,
-                               .host_name = os::host_name(),
-                               .process_id = os::process_id(),
-                               .store = {},
-                               .boot = os::boot_id(),
-                               .record = {},
-                               .log = [&options](const std::string& text) { log(options.device, "", text); },
-                               .now = os::now,
-                               .wall_ns = os::wall_ns,
-                               .instant_of_wall = os::instant_of_wall};
+  Agent::Options agent_options{
+      .device = options.device,
+      .node = new_node_id(),
+      .domain = options.domain,
+      .cell = secured ? (*participant)->identity()->subject.cell : "",
+      .require_real_time = options.require_real_time,
+      .real_time = real_time,
+      .temporary = temporary,
+      .host_name = os::host_name(),
+      .process_id = os::process_id(),
+      .store = {},
+      .boot = os::boot_id(),
+      .record = {},
+      .log = [&options](const std::string& text) { log(options.device, "", text); },
+      .now = os::now,
+      .wall_ns = os::wall_ns,
+      .instant_of_wall = os::instant_of_wall,
+      .rejection_of = [&participant = **participant](
+                          const std::string& device) { return participant.rejection_of(device); }};
   if (!options.state_folder.empty() && !temporary) {
     auto store = DeploymentWriter::create({options.state_folder, options.device, options.domain});
     if (!store) return refuse(store.problems());
@@ -318,11 +334,14 @@ int run_node(const NodeOptions& options) {
   else
     agent.report_kept();
   Instant warn_again = os::now() + kWarnEvery;
+  bool expired = false;
   Instant sync_at = os::now() + kSyncEvery;
   while (!agent.ended()) {
-    if (secured && os::now() >= warn_again) {
-      warn_again += kWarnEvery;
-      warn_of_expiry(*(*participant)->identity(), options);
+    if (secured && (os::now() >= warn_again || (!expired && has_expired(*(*participant)->identity())))) {
+      warn_again = os::now() + kWarnEvery;
+      const std::string text = warn_of_expiry(*(*participant)->identity(), options);
+      if (!text.empty() && !std::exchange(expired, true))
+        agent.note({.kind = model::FaultKind::refused_authentication, .cause = text}, text);
     }
     (*dds_publisher)->kick();
     std::vector<const os::Fd*> fds;

@@ -1,6 +1,8 @@
 #include <takt/security/identity.hpp>
 
 #include <algorithm>
+#include <array>
+#include <ctime>
 #include <filesystem>
 
 #include <takt/core/words.hpp>
@@ -150,8 +152,23 @@ Chosen first_of(const std::string& folder, Role role, std::int64_t now) {
   return {names.empty() ? folder : names[0]};
 }
 
+Certified certified(const x509_st& certificate) {
+  return {.subject = subject_from(subject_text(certificate)).value_or(Subject{}),
+          .until = valid_until(certificate)};
+}
+
+std::string expired_text(std::int64_t until) {
+  std::tm parts{};
+  const auto seconds = static_cast<std::time_t>(until);
+  ::gmtime_r(&seconds, &parts);
+  std::array<char, 64> text{};
+  std::strftime(text.data(), text.size(), "it expired on %Y-%m-%d at %H:%M:%S UTC", &parts);
+  return text.data();
+}
+
 std::string expiry_warning(std::int64_t until, std::int64_t now) {
   if (until - now >= kSoon) return {};
+  if (until <= now) return expired_text(until);
   const std::int64_t days = (until - now) / (24 * 3600);
   return days < 1 ? "it expires within a day"
                   : "it expires in " + std::to_string(days) + (days == 1 ? " day" : " days");

@@ -160,6 +160,34 @@ void stop(const Participant& participant, const Arguments& arguments) {
                : "no answer");
 }
 
+// Command `ask DEVICE`: for each line of standard input, stops a module that DEVICE does not have, and prints
+// the answer. The deadline of the command is a year later, so that the clock of DEVICE may be set.
+void ask(const Participant& participant, const Arguments& arguments) {
+  std::mutex mutex;
+  std::condition_variable came;
+  std::map<std::string, std::string> answers;
+  auto client = must(dds::CommandClient::create(participant, [&](const wire::WholeReply& reply) {
+    const std::lock_guard lock{mutex};
+    answers[reply.head.id().to_string()] = reply.head.text().to_string();
+    came.notify_all();
+  }));
+  print("ready");
+  int sent = 0;
+  for (std::string line; std::getline(std::cin, line);) {
+    wire::WholeCommand command;
+    const std::string id = "ask-" + std::to_string(::getpid()) + "-" + std::to_string(++sent);
+    command.head.id(id);
+    command.head.device(arguments[0]);
+    command.head.module_name("nobody");
+    command.head.kind(COMMAND_STOP);
+    command.head.deadline_ns(wall_ns() + std::chrono::nanoseconds{24h}.count() * 365);
+    client.send(command);
+    std::unique_lock lock{mutex};
+    const bool answered = came.wait_for(lock, 5s, [&] { return answers.contains(id); });
+    print(answered ? "answer " + answers[id] : "no answer");
+  }
+}
+
 // Command `state MODULES`: publishes the states of MODULES modules twice. Then only asserts the liveliness of
 // its writer, and disposes of the states when it reads the line "dispose"
 void state(const Participant& participant, const Arguments& arguments) {
@@ -631,10 +659,23 @@ Result<Participant> participate(int domain) {
 int run(int domain, const std::string& command, const Arguments& arguments) {
   const Participant participant = must(participate(domain));
   const std::map<std::string, std::function<void(const Participant&, const Arguments&)>> commands{
-      {"device", device}, {"stop", stop},   {"state", state},     {"transitions", transitions},
-      {"server", server}, {"forge", forge}, {"tap", tap},         {"feed", feed},
-      {"echo", echo},     {"show", show},   {"give", give},       {"statistics", statistics},
-      {"all", all},       {"keys", keys},   {"deceive", deceive}, {"returning", returning},
+      {"device", device},
+      {"stop", stop},
+      {"ask", ask},
+      {"state", state},
+      {"transitions", transitions},
+      {"server", server},
+      {"forge", forge},
+      {"tap", tap},
+      {"feed", feed},
+      {"echo", echo},
+      {"show", show},
+      {"give", give},
+      {"statistics", statistics},
+      {"all", all},
+      {"keys", keys},
+      {"deceive", deceive},
+      {"returning", returning},
       {"watch", watch}};
   int status = 0;
   if (command == "client") {

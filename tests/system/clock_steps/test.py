@@ -1,45 +1,22 @@
 import json
-import mmap
 import os
 import re
 import signal
-import struct
 import sys
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
+from shifted_clock import WallClock
 from takt_system import wait_until
 
-LIBRARY = os.environ.get("TAKT_SHIFTED_CLOCK_LIBRARY", "")
 HOUR = 3600
 DAY = 24 * HOUR
-
-
-class WallClock:
-    """The wall clock that the programs of one device see. Setting this clock does not change the clock of the machine."""
-
-    def __init__(self, path):
-        with open(path, "wb") as file:
-            file.write(struct.pack("qq", 0, 0))
-        with open(path, "r+b") as file:
-            self._words = mmap.mmap(file.fileno(), 16)
-        self.environment = {"LD_PRELOAD": LIBRARY, "TAKT_SHIFTED_CLOCK": path}
-
-    def set_by(self, seconds):
-        """Sets this clock to `seconds` ahead of the clock of the machine."""
-        struct.pack_into("q", self._words, 0, int(seconds * 10**9))
-
-    @property
-    def waits(self):
-        """Returns how often a program has waited until a certain time of this clock."""
-        return struct.unpack_from("q", self._words, 8)[0]
 
 
 class ClockSteps(takt_system.Case):
     def setUp(self):
         super().setUp()
-        self.assertTrue(os.path.exists(LIBRARY), "set TAKT_SHIFTED_CLOCK_LIBRARY to shifted_clock.so")
         self.robot = WallClock(os.path.join(self.folder, "clock.robot"))
         self.line = WallClock(os.path.join(self.folder, "clock.line"))
 

@@ -14,6 +14,7 @@ import unittest
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import networks
 import takt_system
+from shifted_clock import WallClock
 from takt_system import BIN, Run, wait_until
 from wear import taken_by
 
@@ -46,6 +47,20 @@ WORDS = (b"quiet_sink", b"port_source.so", b"port_sink.so")
 SHAPE = {"name": "samples::Count", "fields": [{"name": "number", "type": "unsigned long long"}, {"name": "same", "type": "double", "array": [6]},
                                               {"name": "few", "type": "unsigned long", "sequence": 4}]}
 
+# Device robot reads a value of device line, and fails without it.
+WATCHED = """<cell name="guarded" security="required">
+  <device name="robot"><module><name>sink</name>
+    <filename>port_sink.so</filename> <moduletype>thread</moduletype> <operationtype>periodic</operationtype>
+    <period>10000000</period> <priority>1</priority> <recovery attempts="1000" backoff="100ms"/>
+  </module></device>
+  <device name="line"><module><name>source</name>
+    <filename>port_source.so</filename> <moduletype>thread</moduletype> <operationtype>periodic</operationtype>
+    <period>10000000</period> <priority>1</priority>
+  </module></device>
+  <connection from="line.source.out" to="robot.sink.in" deadline="1s" stale="error"/>
+</cell>
+"""
+
 
 class Peer:
     """The program of the DDS tests, on one of the machines. The program ends when its standard input is closed."""
@@ -62,6 +77,12 @@ class Peer:
             line = self._process.stdout.readline()
             if not line.startswith("notice "):
                 return line.rstrip("\n")
+
+    def ask(self):
+        """Lets the program send a command, and returns the answer."""
+        self._process.stdin.write("send\n")
+        self._process.stdin.flush()
+        return self.line()
 
     def end(self):
         if self._process.poll() is None:
@@ -109,8 +130,8 @@ class Security(takt_system.Case):
         environment = dict(self.environment, TAKT_SECURITY=who and os.path.join(self.keys, who))
         return self.start(*arguments, environment=environment, before=self.net.on(machine)).wait()
 
-    def deploy(self):
-        self.agreed(lambda: self.as_one("operators/anna", "deploy", "cell.xml"))
+    def deploy(self, cell="cell.xml"):
+        self.agreed(lambda: self.as_one("operators/anna", "deploy", cell))
 
     def undeploy(self, who):
         """Undeploys the cell. Repeats the command if the machine stalled for longer than a lease: then the first command was carried out, but
@@ -364,6 +385,57 @@ class Security(takt_system.Case):
         doctor = self.takt("doctor", "--json", environment={"TAKT_SECURITY": ""})
         finding = next(f for f in doctor.report["findings"] if f["check"] == "security")
         self.assertRegex(finding["found"], "is off")
+
+    def device(self, name):
+        """Returns what takt status shows about a device."""
+        run = self.as_one("operators/anna", "status", "--json")
+        self.assertEqual(0, run.status, run.err)
+        return next(d for d in run.report["devices"] if d["name"] == name)
+
+    def test_a_running_cell_rejects_an_identity_that_expires(self):
+        cell = self.write("watched.xml", WATCHED)
+        self.secure("update", "keys", cell)
+        self.secure("add", "keys", "operator", "bert", "--days", "10")
+        self.secure("renew", "keys", "line", "--days", "10")
+        clock = WallClock(os.path.join(self.folder, "clock"))
+        self.environment.update(clock.environment)
+        nodes = self.started()
+        robot, line = nodes["robot"], nodes["line"]
+        self.deploy(cell)
+        wait_until(lambda: self.states() == {"source": "EXECUTING", "sink": "EXECUTING"}, "both modules")
+        # The clock of this operator is never set, as that of an attacker who has stolen the identity.
+        bert = Peer(self, "stranger", "ask", "robot", PEER_SECURITY=os.path.join(self.keys, "operators", "bert"))
+        self.assertEqual("ready", bert.line())
+        self.assertIn("no module", bert.ask())
+        clock.set_by(11 * 24 * 3600)
+
+        when = r"it expired on \d{4}-\d\d-\d\d at \d\d:\d\d:\d\d UTC"
+        why = r"its identity is no longer accepted: %s; run takt secure renew DIR %s, copy its folder again and restart it"
+        robot.wait_for_line(r"rejected: device line at 10\.77\.0\.2: " + why % (when, "line"))
+        robot.wait_for_line(r"rejected: operator bert at 10\.77\.0\.4: " + why % (when, "bert"))
+        line.wait_for_line(r"warning: its identity must be renewed: %s; the other participants of the cell reject this node until it is "
+                           r"started again with a new one; run takt secure renew DIR line, copy" % when)
+        self.assertEqual("no answer", bert.ask())
+        robot.wait_for_line("device line is lost: " + why % (when, "line"))
+        robot.wait_for_line(r"sink: EXECUTING -> RECOVER")
+        wait_until(lambda: not self.device("line")["alive"], "line to be shown as lost")
+        self.assertRegex(self.device("line")["text"], why % (when, "line"))
+        stop = self.as_one("operators/anna", "stop", "line.source")
+        self.assertEqual(1, stop.status)
+        self.assertRegex(stop.err, "device line: error: it is lost: " + why % (when, "line"))
+        self.assertRegex(self.as_one("operators/anna", "log", "robot").out, "rejected: device line at 10.77.0.2: its identity is no longer")
+        self.assertEqual(1, sum("rejected: device line" in text for text in robot.raw), "it must be reported once")
+
+        doctor = self.takt("doctor", "--json", environment=dict(self.environment, TAKT_SECURITY=os.path.join(self.keys, "devices", "line")))
+        finding = next(f for f in doctor.report["findings"] if f["check"] == "security")
+        self.assertRegex(finding["found"], "the identity in TAKT_SECURITY is rejected: .*it has expired")
+        self.secure("renew", "keys")
+        line.signal(signal.SIGTERM)
+        line.wait()
+        nodes["line"] = self.node("line", options=["--resume"])
+        robot.wait_for_line("device line is back")
+        wait_until(lambda: self.states() == {"source": "EXECUTING", "sink": "EXECUTING"}, "both modules")
+        self.end(nodes)
 
     def test_takt_run_can_secure_a_cell_with_the_keys_in_one_folder(self):
         run = self.start("run", "cell.xml", "--for", "2", "--security", "keys", environment=self.environment,

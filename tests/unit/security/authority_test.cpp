@@ -279,6 +279,7 @@ TEST(Expiry, WarnsInTheLastThirtyDays) {
   EXPECT_EQ(expiry_warning(kNow + 31 * kDay, kNow), "");
   EXPECT_EQ(expiry_warning(kNow + 29 * kDay + 60, kNow), "it expires in 29 days");
   EXPECT_EQ(expiry_warning(kNow + 60, kNow), "it expires within a day");
+  EXPECT_EQ(expiry_warning(1'700'000'000, 1'700'000'000), "it expired on 2023-11-14 at 22:13:20 UTC");
 }
 
 TEST(ParticipantPrefix, DiffersBetweenSubjects) {

@@ -62,6 +62,10 @@ class Agent {
     std::function<Instant()> now;
     std::function<std::int64_t()> wall_ns;
     std::function<Instant(std::int64_t)> instant_of_wall;
+    /// Returns why this node no longer accepts the identity of a device; empty if it accepts it.
+    std::function<std::string(const std::string& device)> rejection_of = [](const std::string&) {
+      return std::string{};
+    };
   };
   /// Functions that create what the agent uses. Tests and the simulation pass functions that create other
   /// things than a node does.

@@ -15,6 +15,9 @@ namespace takt::client {
 /// why earlier operators were skipped. Returns "" if `network` does not enable DDS Security.
 Result<std::string> identity_of(const Network& network);
 
+/// Fails if the identity of the participant has expired: then nodes no longer accept it.
+Result<void> check_identity(const dds::Participant& participant);
+
 /// Checks that the program may write samples. Fails if the participant has the identity of an observer. The
 /// problem then states that an observer may not do `what`, for example "call". Call this function before you
 /// create a writer, because DDS would reject the writer without a helpful reason.

@@ -75,8 +75,8 @@ class Operator {
   bool search(const std::function<bool(const std::vector<wire::ObservedDevice>&)>& condition,
               Nanoseconds limit, const std::set<std::string>& wanted = {}) const;
 
-  /// Returns the problem that a device of a running cell is lost.
-  static Problem lost(const std::string& device);
+  /// Returns the problem that a device of a running cell is lost. `why`: what other devices say about it.
+  [[nodiscard]] Problem lost(const std::string& device, std::string why = {}) const;
   /// Returns the problem that a device was not found within this time.
   [[nodiscard]] Problem not_found(const std::string& device, Nanoseconds within) const;
 

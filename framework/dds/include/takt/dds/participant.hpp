@@ -69,6 +69,9 @@ class Participant {
   /// Returns a sentence that says why samples do not reach this device now, although it answers. Empty if
   /// nothing indicates that. Known only for devices whose status a Reader<DeviceStatus> has received.
   [[nodiscard]] virtual std::string obstacle(const std::string& device) const = 0;
+  /// Returns a sentence that says why the identity of this device, which was accepted before, no longer is.
+  /// Empty if that is not so.
+  [[nodiscard]] virtual std::string rejection_of(const std::string& device) const = 0;
 
  protected:
   Participant() = default;

@@ -14,6 +14,8 @@
 #include <takt/core/result.hpp>
 #include <takt/security/access.hpp>
 
+struct x509_st;  // a certificate of OpenSSL
+
 namespace takt::security {
 
 /// The files in an identity folder.
@@ -59,7 +61,18 @@ std::string folder_of(const std::string& folder, Role role, const std::string& n
 /// crash Fast DDS 2.9.1, even before Fast DDS checks the issuer. Any thread may call this function.
 bool names_somebody(std::span<const std::uint8_t> certificate) noexcept;
 
-/// Returns a text such as "it expires in 12 days"; empty if at least 30 days are left.
+/// What a certificate says about its participant.
+struct Certified {
+  Subject subject;         ///< without names if the authority has issued the certificate by other means
+  std::int64_t until = 0;  ///< end of the validity, in seconds since 1970
+};
+/// Reads a certificate that has been verified. Any thread may call this function.
+Certified certified(const x509_st& certificate);
+
+/// Returns a text such as "it expired on 2027-11-27 at 12:00:00 UTC".
+std::string expired_text(std::int64_t until);
+/// Returns a text such as "it expires in 12 days", or that of expired_text(); empty if at least 30 days are
+/// left.
 std::string expiry_warning(std::int64_t until, std::int64_t now);
 
 /// The first bytes of the GUID of each DDS participant with a given identity. Authentication compares these

@@ -17,6 +17,10 @@ class Notices {
   using Clock = std::chrono::steady_clock;
   explicit Notices(std::function<void(const std::string&)> told) : told_(std::move(told)) {}
   void tell(const std::string& text, Clock::time_point now = Clock::now());
+  /// Reports a text without a limit. For what only participants of the cell can cause.
+  void tell_unlimited(const std::string& text) const {
+    if (told_) told_(text);
+  }
 
  private:
   std::function<void(const std::string&)> told_;
