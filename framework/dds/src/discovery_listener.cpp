@@ -1,6 +1,7 @@
 #include "discovery_listener.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -73,24 +74,49 @@ std::string DiscoveryListener::who(const rtps::GuidPrefix_t& prefix) {
 }
 
 void DiscoveryListener::certified(const rtps::GuidPrefix_t& participant, const x509_st& certificate) {
-  const std::lock_guard lock{mutex_};
-  Certificate& of = certificates_[participant];
-  of = {.says = security::certified(certificate)};
-  if (of.says.subject.role == security::Role::device) rejections_.erase(of.says.subject.name);
+  {
+    const std::lock_guard lock{mutex_};
+    Certificate& of = certificates_[participant];
+    of = {.says = security::certified(certificate)};
+    if (of.says.subject.role == security::Role::device) rejections_.erase(of.says.subject.name);
+  }
+  // Fast DDS has just checked the time, but with the list of revoked certificates that this process began
+  // with.
+  reject_invalid(std::numeric_limits<std::int64_t>::min());
 }
 
-void DiscoveryListener::reject_expired(std::int64_t now) {
+void DiscoveryListener::check_certificates(std::int64_t now) {
+  Result<void> updated;
+  bool revoked = false;
+  {
+    const std::lock_guard lock{mutex_};
+    updated = revocations_.update();
+    revoked = revocations_.contains(mine_.serial) && !std::exchange(mine_is_revoked_, true);
+  }
+  if (!updated) notices_.tell_unlimited("warning: " + in_words(updated.problems()));
+  if (revoked)
+    notices_.tell_unlimited("warning: the identity of this process was revoked; the others reject it");
+  reject_invalid(now);
+}
+
+std::string DiscoveryListener::invalidity(const security::Certified& certificate, std::int64_t now) const {
+  const std::string renew = "run takt secure renew DIR " + certificate.subject.name;
+  if (revocations_.contains(certificate.serial)) return "it was revoked; to accept it again, " + renew;
+  if (now < certificate.until) return {};
+  return security::expired_text(certificate.until) + "; " + renew + ", copy its folder again and restart it";
+}
+
+void DiscoveryListener::reject_invalid(std::int64_t now) {
   std::vector<std::string> texts;
   {
     const std::lock_guard lock{mutex_};
     for (auto& [prefix, each] : certificates_) {
-      if (each.rejected || now < each.says.until) continue;
+      std::string why = each.rejected ? std::string{} : invalidity(each.says, now);
+      if (why.empty()) continue;
+      why.insert(0, "its identity is no longer accepted: ");
       each.rejected = true;
       filter_.reject(number_in(prefix));
       const security::Subject& subject = each.says.subject;
-      const std::string why =
-          "its identity is no longer accepted: " + security::expired_text(each.says.until) +
-          "; run takt secure renew DIR " + subject.name + ", copy its folder again and restart it";
       if (subject.role == security::Role::device) rejections_[subject.name] = why;
       const auto seen = seen_.find(prefix);
       const std::string where =

@@ -11,6 +11,7 @@
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 
 #include <takt/security/identity.hpp>
+#include <takt/security/revocations.hpp>
 #include <takt/wire/notices.hpp>
 #include "inside.hpp"
 #include "packet_filter.hpp"
@@ -25,7 +26,9 @@ class DiscoveryListener final : public fast::DomainParticipantListener {
  public:
   /// `notices` and `filter` must outlive this object.
   DiscoveryListener(security::Identity mine, wire::Notices& notices, PacketFilter& filter)
-      : mine_(std::move(mine)), notices_(notices), filter_(filter) {}
+      : mine_(std::move(mine)), notices_(notices), filter_(filter), revocations_(mine_.folder) {
+    static_cast<void>(revocations_.update());  // mine_ was read with the same file
+  }
 
   [[nodiscard]] const security::Identity& mine() const noexcept { return mine_; }
 
@@ -43,10 +46,12 @@ class DiscoveryListener final : public fast::DomainParticipantListener {
   [[nodiscard]] std::string who(const rtps::GuidPrefix_t& prefix);
   void tell(const std::string& text) { notices_.tell(text); }
 
-  /// Notes the certificate of a participant that has authenticated.
+  /// Notes the certificate of a participant that has authenticated. Rejects the participant if the
+  /// certificate was revoked since this process began.
   void certified(const rtps::GuidPrefix_t& participant, const x509_st& certificate);
-  /// Rejects and reports the participants whose certificate has expired. `now`: in seconds since 1970.
-  void reject_expired(std::int64_t now);
+  /// Reads the list of revoked certificates again if it has changed. Rejects and reports the participants
+  /// whose certificate has expired at the time `now` (in seconds since 1970) or was revoked.
+  void check_certificates(std::int64_t now);
   /// Returns a sentence that says why this participant no longer accepts the device; empty if it accepts it.
   [[nodiscard]] std::string rejection_of(const std::string& device);
 
@@ -62,6 +67,9 @@ class DiscoveryListener final : public fast::DomainParticipantListener {
     std::string authority;
   };
 
+  /// Returns why a certificate is no longer accepted; empty if it is.
+  [[nodiscard]] std::string invalidity(const security::Certified& certificate, std::int64_t now) const;
+  void reject_invalid(std::int64_t now);
   void report_rejected(const rtps::GuidPrefix_t& prefix);
   void on_participant_discovery(fast::DomainParticipant*, rtps::ParticipantDiscoveryInfo&& info) override;
   void onParticipantAuthentication(fast::DomainParticipant*,
@@ -71,6 +79,8 @@ class DiscoveryListener final : public fast::DomainParticipantListener {
   wire::Notices& notices_;
   PacketFilter& filter_;
   std::mutex mutex_;
+  security::Revocations revocations_;
+  bool mine_is_revoked_ = false;
   std::map<rtps::GuidPrefix_t, Seen> seen_;
   std::map<rtps::GuidPrefix_t, Certificate> certificates_;  // of the participants that have authenticated
   std::map<std::string, std::string> rejections_;           // why devices are rejected, by device name

@@ -373,7 +373,8 @@ void OwnParticipant::follow_machine(std::stop_token end) {
     const bool was_halted = os::boot_time() - last > kHalted;
     if (end.stop_requested()) return;
     names_->step(os::now());
-    if (discovery_listener_ != nullptr) discovery_listener_->reject_expired(os::wall_ns() / 1'000'000'000);
+    if (discovery_listener_ != nullptr)
+      discovery_listener_->check_certificates(os::wall_ns() / 1'000'000'000);
     follow_clients();
     if (was_halted && identity_) rejoin(*filter_, true);
     if (news_.take()) {

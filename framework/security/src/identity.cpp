@@ -91,6 +91,7 @@ Result<Identity> read_identity(const std::string& path, std::int64_t now) {
   std::string subject;
   if (certificate != nullptr) {
     identity.until = valid_until(*certificate);
+    identity.serial = serial_of(*certificate);
     subject = subject_text(*certificate);
     const auto parsed = subject_from(subject);
     if (parsed)
@@ -154,7 +155,8 @@ Chosen first_of(const std::string& folder, Role role, std::int64_t now) {
 
 Certified certified(const x509_st& certificate) {
   return {.subject = subject_from(subject_text(certificate)).value_or(Subject{}),
-          .until = valid_until(certificate)};
+          .until = valid_until(certificate),
+          .serial = serial_of(certificate)};
 }
 
 std::string expired_text(std::int64_t until) {

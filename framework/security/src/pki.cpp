@@ -63,6 +63,14 @@ void extend(X509& certificate, X509& issuer, int what, const char* value) {
   TAKT_CHECK(extension != nullptr && X509_add_ext(&certificate, extension.get(), -1) == 1);
 }
 
+std::string to_hex(const ASN1_INTEGER& serial) {
+  const Large large{ASN1_INTEGER_to_BN(&serial, nullptr)};
+  char* const text = BN_bn2hex(large.get());
+  std::string digits = text;
+  OPENSSL_free(text);
+  return digits;
+}
+
 }  // namespace
 
 std::string openssl_reason() {
@@ -210,6 +218,16 @@ Result<void> check_issued(X509& certificate, X509& authority, std::int64_t now) 
       return fail(X509_verify_cert_error_string(error),
                   "copy the whole folder again from the machine of the authority");
   }
+}
+
+std::string serial_of(const X509& certificate) { return to_hex(*X509_get0_serialNumber(&certificate)); }
+
+std::set<std::string> serials_in(X509_CRL& crl) {
+  std::set<std::string> serials;
+  const STACK_OF(X509_REVOKED)* const entries = X509_CRL_get_REVOKED(&crl);
+  for (int i = 0; i < sk_X509_REVOKED_num(entries); ++i)
+    serials.insert(to_hex(*X509_REVOKED_get0_serialNumber(sk_X509_REVOKED_value(entries, i))));
+  return serials;
 }
 
 bool is_revoked(X509_CRL& crl, const X509& certificate) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -64,6 +65,10 @@ Certificate make_certificate(Kind kind, const Subject& subject, EVP_PKEY& key, X
 /// at the time `now`.
 Result<void> check_issued(X509& certificate, X509& authority, std::int64_t now);
 
+/// Returns the serial number of the certificate, in hexadecimal digits.
+std::string serial_of(const X509& certificate);
+/// Returns the serial numbers of all certificates on the list.
+std::set<std::string> serials_in(X509_CRL& crl);
 /// Returns true if the certificate is on the list of revoked certificates.
 bool is_revoked(X509_CRL& crl, const X509& certificate);
 /// Creates a list of revoked certificates from the entries of the list `before` and the certificate `more`,

@@ -9,6 +9,7 @@
 #include <takt/os/environment.hpp>
 #include <takt/os/files.hpp>
 #include <takt/security/choice.hpp>
+#include <takt/security/revocations.hpp>
 
 namespace authority_test {
 namespace {
@@ -184,6 +185,39 @@ TEST_F(SigningAuthority, WritesARevocationToTheFoldersOfAllIdentities) {
   EXPECT_THAT(wrong_with_robot(), HasSubstr("revoked")) << "the first identity is still on the list";
   ASSERT_TRUE(Authority::open(home())->issue(robot_, plan_, 10, kNow, true).ok());
   EXPECT_EQ(wrong_with_robot(), "") << "the new certificate is not on the list";
+}
+
+TEST_F(SigningAuthority, ShowsARunningProcessEachNewListOfRevocations) {
+  const std::string anna = read_identity(of_anna(), kNow)->serial;
+  const std::string robot = read_identity(of_robot(), kNow)->serial;
+  Revocations list{of_robot()};
+  EXPECT_TRUE(list.update().ok());
+  EXPECT_FALSE(list.contains(anna));
+  ASSERT_TRUE(authority_->revoke(anna_, kNow).ok());
+  EXPECT_TRUE(list.update().ok());
+  EXPECT_TRUE(list.contains(anna));
+  EXPECT_FALSE(list.contains(robot));
+}
+
+TEST_F(SigningAuthority, KeepsTheListOfRevocationsIfItsFileIsMissingOrWasNotSigned) {
+  const std::string anna = read_identity(of_anna(), kNow)->serial;
+  ASSERT_TRUE(authority_->revoke(anna_, kNow).ok());
+  Revocations list{of_robot()};
+  EXPECT_TRUE(list.update().ok());
+  const auto problems = [&list] {
+    int count = 0;
+    for (int i = 0; i < 3 * Revocations::kTries; ++i) count += list.update().ok() ? 0 : 1;
+    return count;
+  };
+  fs::remove(of_robot() + "/crl.pem");
+  EXPECT_EQ(problems(), 0);
+  write(of_robot() + "/crl.pem", "nonsense");
+  EXPECT_EQ(problems(), 1) << "reported once";
+  auto other = Authority::create((folder_ / "other").string(), "belt", kNow);
+  ASSERT_TRUE(other->issue(robot_, plan_, 100, kNow).ok());
+  write(of_robot() + "/crl.pem", text_of(folder_ / "other/devices/robot/crl.pem"));
+  EXPECT_EQ(problems(), 1) << "another authority has signed it";
+  EXPECT_TRUE(list.contains(anna));
 }
 
 TEST_F(SigningAuthority, NamesAMissingOrInvalidFile) {

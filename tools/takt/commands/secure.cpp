@@ -212,8 +212,8 @@ int revoke(const SecureOptions& options) {
     if (auto revoked = authority->revoke(subject, now_s()); !revoked) return refuse(revoked.problems());
   }
   std::printf(
-      "copy crl.pem to every machine of the cell; each node rejects revoked identities after its next "
-      "start\n");
+      "copy crl.pem into the identity folders on every machine of the cell; nodes and operators then reject "
+      "revoked identities at once\n");
   return show_authority(options.folder);
 }
 

@@ -61,8 +61,8 @@ class Authority {
                      bool again = false);
   /// Writes new governance and permissions documents for all identities.
   Result<void> document(const Plan& plan, std::int64_t now);
-  /// Revokes an identity and writes the new crl.pem into every folder. A process rejects the revoked identity
-  /// only after reading the new crl.pem, which must first be copied to the machine of this process.
+  /// Revokes an identity and writes the new crl.pem into every folder. Processes read it as soon as it is
+  /// copied to their machine, and then reject the revoked identity.
   Result<void> revoke(const Subject& subject, std::int64_t now);
   /// Signs each file with the authority's key for components, and writes the signature to FILE.sig. The first
   /// call creates this key. Returns the path of the certificate for this key. Nodes check the signatures with

@@ -40,6 +40,7 @@ struct Identity {
   std::string authority;     ///< name of the authority, as participants announce it
   std::string folder;        ///< an absolute path
   std::int64_t until = 0;    ///< end of the validity of the identity's certificate, in seconds since 1970
+  std::string serial{};      ///< serial number of the identity's certificate
   std::vector<int> domains;  ///< the domains for which the identity has permissions
 };
 
@@ -65,6 +66,7 @@ bool names_somebody(std::span<const std::uint8_t> certificate) noexcept;
 struct Certified {
   Subject subject;         ///< without names if the authority has issued the certificate by other means
   std::int64_t until = 0;  ///< end of the validity, in seconds since 1970
+  std::string serial;      ///< the number under which the authority may revoke it
 };
 /// Reads a certificate that has been verified. Any thread may call this function.
 Certified certified(const x509_st& certificate);
