@@ -28,6 +28,7 @@
 #include <takt/os/notice.hpp>
 #include <takt/wire/notices.hpp>
 #include "udp_transport.hpp"
+#include "workarounds/reader_checks.hpp"
 
 namespace takt::dds {
 
@@ -58,7 +59,7 @@ class OwnParticipant final : public Participant {
     return identity_;
   }
   [[nodiscard]] std::uint64_t refused() const noexcept override {
-    return filter_->refused.load(std::memory_order_relaxed);
+    return filter_->refused.load(std::memory_order_relaxed) + refused_by_readers();
   }
   [[nodiscard]] std::string unresolved() const override { return names_->unresolved(); }
   [[nodiscard]] std::vector<Announced> announced() const override;

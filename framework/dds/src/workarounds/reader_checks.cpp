@@ -1,6 +1,7 @@
 #include "reader_checks.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <mutex>
 
@@ -45,10 +46,12 @@ namespace rtps = eprosima::fastrtps::rtps;
 // kMostCounted is larger than the number of samples that a reader of Takt keeps.
 constexpr std::uint32_t kMostCounted = 65536;
 // A GAP may begin after a number that the reader has not received yet. Then the reader stores at most
-// kMostStored numbers of the GAP, and later asks the writer for the others again.
+// kMostStored numbers of the GAP, and later asks the writer for the others again. A sample whose number is
+// larger by more than this is not stored either: the writer sends it again when the reader asks for it.
 constexpr std::uint32_t kMostStored = 4096;
-constexpr std::uint32_t kMostSample = 128 * 1024 * 1024;  // largest size of a sample in fragments, in bytes
-constexpr std::uint32_t kMostPayload = 65535;             // largest size of the content of a packet, in bytes
+// The number of samples of one writer of which a reader may have some fragments, but not all.
+constexpr std::size_t kMostBegun = 256;
+constexpr std::uint32_t kMostPayload = 65535;  // largest size of the content of a packet, in bytes
 // Fast DDS assembles a sample in its own memory. At the first multiple of 4 in each missing fragment, it
 // stores the 4-byte number of the next missing fragment. So Fast DDS needs up to kBehind bytes after the end
 // of the sample.
@@ -58,6 +61,8 @@ constexpr std::uint32_t kBehind = 6;
 /// The replaced functions of Fast DDS.
 struct Originals {
   using Next = rtps::SequenceNumber_t(rtps::WriterProxy*);
+  using Data = bool(rtps::StatefulReader*, rtps::CacheChange_t*);
+  using Add = bool(rtps::ReaderHistory*, rtps::CacheChange_t*);
   using Gap = bool(rtps::StatefulReader*, const rtps::GUID_t&, const rtps::SequenceNumber_t&,
                    const rtps::SequenceNumberSet_t&);
   using Fragments = bool(rtps::StatefulReader*, rtps::CacheChange_t*, std::uint32_t, std::uint32_t,
@@ -69,6 +74,10 @@ struct Originals {
 
   Next* next = takt::dds::replaced<Next>(
       "_ZN8eprosima8fastrtps4rtps11WriterProxy32next_cache_change_to_be_notifiedEv");
+  Data* data = takt::dds::replaced<Data>(
+      "_ZN8eprosima8fastrtps4rtps14StatefulReader14processDataMsgEPNS1_13CacheChange_tE");
+  Add* add =
+      takt::dds::replaced<Add>("_ZN8eprosima8fastrtps4rtps13ReaderHistory10add_changeEPNS1_13CacheChange_tE");
   Gap* gap = takt::dds::replaced<Gap>(
       "_ZN8eprosima8fastrtps4rtps14StatefulReader13processGapMsgERKNS1_6GUID_tERKNS1_16SequenceNumber_t"
       "ERKNS0_11BitmapRangeIS6_NS1_18SequenceNumberDiffELj256EEE");
@@ -88,11 +97,26 @@ const Originals& originals() noexcept {
   return found;
 }
 
-/// Returns true if a DATA_FRAG contains the fragments that it claims to contain.
-bool is_complete(const rtps::CacheChange_t& part, std::uint32_t sample, std::uint32_t first,
-                 std::uint32_t count) {
+std::atomic<std::uint64_t> refused{0};
+
+/// Counts a packet that a reader ignores, and returns false.
+bool refuse() noexcept {
+  refused.fetch_add(1, std::memory_order_relaxed);
+  return false;
+}
+
+/// Returns the largest size of a sample in fragments that this reader accepts, in bytes. A reader of Takt
+/// knows the largest sample of its type.
+std::uint32_t largest_sample(const rtps::RTPSReader& reader, rtps::History& history) {
+  return reader.getGuid().is_builtin() ? kMostPayload : history.getTypeMaxSerialized();
+}
+
+/// Returns true if a DATA_FRAG contains the fragments that it claims to contain, and the reader accepts such
+/// a long sample.
+bool is_acceptable(const rtps::RTPSReader& reader, rtps::History& history, const rtps::CacheChange_t& part,
+                   std::uint32_t sample, std::uint32_t first, std::uint32_t count) {
   const std::uint64_t size = part.getFragmentSize();
-  if (size < kIndex || sample > kMostSample || first == 0 || count == 0) return false;
+  if (size < kIndex || sample > largest_sample(reader, history) || first == 0 || count == 0) return false;
   const std::uint64_t begin = (first - 1) * size;
   if (begin + (count - 1) * size >= sample) return false;
   const std::uint32_t length = part.serializedPayload.length;
@@ -110,6 +134,28 @@ bool continues(const rtps::CacheChange_t& begun, const rtps::CacheChange_t& part
   return begun.getFragmentSize() == part.getFragmentSize() && begun.serializedPayload.length == sample;
 }
 
+/// Removes a sample of which some fragments are missing, so that the writer may send it again.
+void forget(rtps::ReaderHistory& history, rtps::CacheChange_t& begun) {
+  // Fast DDS would count the number of an incomplete sample as received.
+  begun.setFragmentSize(0);
+  history.remove_change(&begun);
+}
+
+/// Makes room for one more incomplete sample of a writer. Keeps the samples that the reader needs first.
+bool make_room(rtps::ReaderHistory& history, const rtps::CacheChange_t& part) {
+  std::size_t count = 0;
+  rtps::CacheChange_t* last = nullptr;
+  for (auto each = history.changesBegin(); each != history.changesEnd(); ++each) {
+    if ((*each)->writerGUID != part.writerGUID || (*each)->is_fully_assembled()) continue;
+    ++count;
+    if (last == nullptr || (*each)->sequenceNumber > last->sequenceNumber) last = *each;
+  }
+  if (count < kMostBegun) return true;
+  if (last->sequenceNumber < part.sequenceNumber) return false;
+  forget(history, *last);
+  return true;
+}
+
 // Locked from the comparison with the first DATA_FRAG until the fragments are stored. The lock of the reader
 // cannot be held so long, because Fast DDS needs to release it in between.
 std::mutex storing_fragments;
@@ -119,6 +165,8 @@ std::mutex storing_fragments;
 namespace takt::dds {
 
 void check_what_readers_receive() noexcept { static_cast<void>(originals()); }
+
+std::uint64_t refused_by_readers() noexcept { return refused.load(std::memory_order_relaxed); }
 
 }  // namespace takt::dds
 
@@ -152,29 +200,87 @@ bool StatefulReader::processGapMsg(const GUID_t& writer, const SequenceNumber_t&
   return originals().gap(this, writer, start, end > limit ? SequenceNumberSet_t{limit} : list);
 }
 
+bool StatefulReader::processDataMsg(CacheChange_t* sample) {
+  {
+    const std::lock_guard lock{mp_mutex};
+    WriterProxy* known = nullptr;
+    if (!is_alive_ || !acceptMsgFrom(sample->writerGUID, &known)) return false;
+    // A sample that must wait for earlier ones is stored. It may be as long as its packet, which is much
+    // longer than most types allow.
+    if (known != nullptr) {
+      const std::uint64_t next = known->available_changes_max().to64long() + 1;
+      const std::uint64_t number = sample->sequenceNumber.to64long();
+      const std::uint64_t ahead = number > next ? number - next : 0;
+      // The first sample that arrives after a match may have any number.
+      const bool is_first = next == 1 && known->number_of_changes_from_writer() == 0;
+      if (ahead > kMostStored && !is_first) return false;
+      if (ahead > 0 && sample->serializedPayload.length > largest_sample(*this, *mp_history)) return refuse();
+    }
+  }
+  return originals().data(this, sample);
+}
+
 bool StatefulReader::processDataFragMsg(CacheChange_t* part, std::uint32_t sample, std::uint32_t first,
                                         std::uint16_t count) {
-  if (!is_complete(*part, sample, first, count)) return false;
-  if (fixed_payload_size_ > 0 && assembly_size(*part, sample) > fixed_payload_size_) return false;
-  const std::lock_guard storing{storing_fragments};
-  CacheChange_t* begun = nullptr;
-  if (mp_history->get_change(part->sequenceNumber, part->writerGUID, &begun) &&
-      !continues(*begun, *part, sample))
-    return false;
-  return originals().fragments(this, part, sample, first, count);
+  const bool is_whole = first == 1 && std::uint64_t{count} * part->getFragmentSize() >= sample;
+  std::unique_lock storing{storing_fragments};
+  {
+    const std::lock_guard lock{mp_mutex};
+    WriterProxy* known = nullptr;
+    if (!is_alive_ || !acceptMsgFrom(part->writerGUID, &known) || known == nullptr) return false;
+    if (!is_acceptable(*this, *mp_history, *part, sample, first, count)) return refuse();
+    if (fixed_payload_size_ > 0 && assembly_size(*part, sample) > fixed_payload_size_) return refuse();
+    if (part->sequenceNumber.to64long() - known->available_changes_max().to64long() > kMostStored)
+      return false;
+    CacheChange_t* begun = nullptr;
+    const bool is_stored = mp_history->get_change(part->sequenceNumber, part->writerGUID, &begun);
+    if (!is_stored && !is_whole && !make_room(*mp_history, *part)) return refuse();
+    if (is_stored && !begun->is_fully_assembled() && !continues(*begun, *part, sample)) {
+      refuse();
+      forget(*mp_history, *begun);
+    }
+  }
+  if (!is_whole) return originals().fragments(this, part, sample, first, count);
+  // Fast DDS would handle this sample twice: when it stores the first fragment, and when no fragment is
+  // missing. The second time, the sample may already be gone.
+  storing.unlock();
+  CacheChange_t whole;
+  whole.copy_not_memcpy(part);
+  whole.setFragmentSize(0);
+  whole.serializedPayload.data = part->serializedPayload.data;
+  whole.serializedPayload.length = sample;
+  whole.serializedPayload.max_size = sample;
+  const bool is_taken = processDataMsg(&whole);
+  // Fast DDS may have replaced the bytes of the packet by a copy that readers share.
+  if (whole.payload_owner() != nullptr) whole.payload_owner()->release_payload(whole);
+  whole.serializedPayload.data = nullptr;
+  return is_taken;
+}
+
+// Adds a sample. The reader may have fragments of another sample with the same number. Fast DDS would confuse
+// the two, and an assertion would end the process.
+bool ReaderHistory::add_change(CacheChange_t* sample) {
+  if (mp_mutex != nullptr) {
+    const std::lock_guard lock{*mp_mutex};
+    CacheChange_t* begun = nullptr;
+    if (get_change(sample->sequenceNumber, sample->writerGUID, &begun) && !begun->is_fully_assembled())
+      forget(*this, *begun);
+  }
+  return originals().add(this, sample);
 }
 
 bool StatelessReader::processDataFragMsg(CacheChange_t* part, std::uint32_t sample, std::uint32_t first,
                                          std::uint16_t count) {
-  if (!is_complete(*part, sample, first, count)) return false;
-  if (fixed_payload_size_ > 0 && assembly_size(*part, sample) > fixed_payload_size_) return false;
   const std::lock_guard storing{storing_fragments};
   {
     const std::lock_guard lock{mp_mutex};
     for (RemoteWriterInfo_t& writer : matched_writers_) {
       CacheChange_t*& begun = writer.fragmented_change;
-      if (writer.guid != part->writerGUID || begun == nullptr) continue;
-      if (begun->sequenceNumber == part->sequenceNumber && !continues(*begun, *part, sample)) return false;
+      if (writer.guid != part->writerGUID) continue;
+      if (!is_acceptable(*this, *mp_history, *part, sample, first, count)) return refuse();
+      if (fixed_payload_size_ > 0 && assembly_size(*part, sample) > fixed_payload_size_) return refuse();
+      if (begun == nullptr) continue;
+      if (begun->sequenceNumber == part->sequenceNumber && !continues(*begun, *part, sample)) return refuse();
       // Each copy of an authentication message has a new number, and Fast DDS would drop the fragments of the
       // copy before. On a network that loses packets, all fragments of one copy rarely arrive.
       if (m_guid.entityId == participant_stateless_message_reader_entity_id &&

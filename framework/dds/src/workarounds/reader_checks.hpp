@@ -7,13 +7,22 @@
 // - It stores each number of a GAP (CVE-2025-64438).
 // - It takes the size of a sample and of its fragments from the first DATA_FRAG, and does not compare the
 //   sizes in later ones (CVE-2026-22590). It writes past the end of a sample whose last fragment is shorter
-//   than 4 bytes (CVE-2025-62799).
+//   than 4 bytes (CVE-2025-62799). It allocates memory for samples of any claimed size.
+// - It handles a sample whose fragments all arrive at once twice, the second time after it has freed the
+//   sample. It also keeps two samples with the same number, if one arrives in fragments and the other does
+//   not. Then an assertion fails, or the thread that receives packets never returns.
 #pragma once
+
+#include <cstdint>
 
 namespace takt::dds {
 
 /// Finds the functions of Fast DDS that reader_checks.cpp replaces; ends the process if one is missing. Call
 /// this function before the participant of this process is created.
 void check_what_readers_receive() noexcept;
+
+/// Returns how many samples and fragments the readers of this process have ignored, because they are too
+/// long, contradict each other or are too many.
+std::uint64_t refused_by_readers() noexcept;
 
 }  // namespace takt::dds
