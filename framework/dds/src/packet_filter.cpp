@@ -21,7 +21,7 @@ thread_local os::Ipv4 sender_of_this_packet{};
 
 os::Ipv4 PacketFilter::sender() noexcept { return sender_of_this_packet; }
 
-void PacketFilter::pass(std::span<const std::uint8_t> packet, const os::Ipv4& from, bool here,
+void PacketFilter::pass(std::span<std::uint8_t> packet, const os::Ipv4& from, bool here,
                         const std::function<void(std::size_t)>& handle) {
   if (is_silent(here)) return;
   const std::size_t readable = wire::readable_rtps(packet, secured_ ? &security::names_somebody : nullptr);
@@ -37,6 +37,7 @@ void PacketFilter::pass(std::span<const std::uint8_t> packet, const os::Ipv4& fr
       return drop(from,
                   "it announces an invalid participant, or there are too many unauthenticated participants");
   }
+  wire::skip_unused_parameters(packet);
   sender_of_this_packet = from;
   // Fast DDS must not handle two announcements of a participant at once; see participant_removal.hpp.
   if (wire::concerns_participants(packet)) {

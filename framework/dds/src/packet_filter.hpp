@@ -32,8 +32,8 @@ class PacketFilter {
   PacketFilter(wire::Notices& notices, bool secured) : notices_(notices), secured_(secured) {}
 
   /// Calls `handle` with the number of bytes that Fast DDS may read, unless the packet must be dropped.
-  /// `here`: it comes from this machine.
-  void pass(std::span<const std::uint8_t> packet, const os::Ipv4& from, bool here,
+  /// Changes the packet where Fast DDS must skip a part of it. `here`: it comes from this machine.
+  void pass(std::span<std::uint8_t> packet, const os::Ipv4& from, bool here,
             const std::function<void(std::size_t)>& handle);
   /// Returns true if no packet may be sent to participants on this machine, or on others.
   [[nodiscard]] bool is_silent(bool here) const noexcept {

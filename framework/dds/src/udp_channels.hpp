@@ -24,7 +24,7 @@ namespace takt::dds {
 class UdpChannels {
  public:
   /// Gets each packet of a port. The bytes are valid only during the call.
-  using Handle = std::function<void(const os::UdpSocket::Received&, std::span<const std::uint8_t>)>;
+  using Handle = std::function<void(const os::UdpSocket::Received&, std::span<std::uint8_t>)>;
 
   explicit UdpChannels(std::shared_ptr<const Interfaces> interfaces) : interfaces_(std::move(interfaces)) {}
 

@@ -219,7 +219,7 @@ class UdpTransport final : public transport::TransportInterface {
          .shared = IPLocator::isMulticast(locator),
          .receive_buffer = kReceiveBuffer},
         largest,
-        [this, above, locator](const os::UdpSocket::Received& packet, std::span<const std::uint8_t> bytes) {
+        [this, above, locator](const os::UdpSocket::Received& packet, std::span<std::uint8_t> bytes) {
           receive(*above, locator, packet, bytes);
         });
     if (IPLocator::isMulticast(locator)) channels_.join(port_of(locator), address_of(locator));
@@ -263,7 +263,7 @@ class UdpTransport final : public transport::TransportInterface {
   }
 
   void receive(transport::TransportReceiverInterface& above, const Locator_t& port,
-               const os::UdpSocket::Received& packet, std::span<const std::uint8_t> bytes) {
+               const os::UdpSocket::Received& packet, std::span<std::uint8_t> bytes) {
     if (!interfaces_.receives(packet.to, packet.interface)) return;
     const bool here = interfaces_.comes_from_here(packet.from.address);
     if (!is_group(packet.to) && !here) interfaces_.heard_at(packet.to);

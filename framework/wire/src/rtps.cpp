@@ -119,8 +119,9 @@ enum class Content {
   filter
 };
 
+constexpr std::uint32_t kMustUnderstand = 0x4000;
+
 Content content_of(std::uint32_t parameter) noexcept {
-  constexpr std::uint32_t kMustUnderstand = 0x4000;
   switch (parameter & ~kMustUnderstand) {
     case 0x05:  // topic name
     case 0x07:  // type name
@@ -234,10 +235,24 @@ bool is_parameter(std::uint32_t parameter, Cursor value) noexcept {
   return value.ok();
 }
 
+constexpr std::uint8_t kPad = 0;  // Fast DDS skips a parameter with this id
+
+/// Returns true if Takt does not need this parameter of an announcement.
+bool is_unused(std::uint32_t parameter) noexcept {
+  switch (parameter & ~kMustUnderstand) {
+    case 0x35:  // content filter: the writers of Takt send all samples
+    case 0x69:  // identifier and description of a type: types are compared by name
+    case 0x72:
+    case 0x75:
+      return true;
+    default:
+      return false;
+  }
+}
+
 /// Checks a parameter list including its end mark. Calls `each` with each valid parameter.
 template <class Each>
 void check_parameters(Cursor& list, Each&& each) noexcept {
-  constexpr std::uint32_t kPad = 0;
   constexpr std::uint32_t kEnd = 1;
   while (list.ok()) {
     const std::uint32_t parameter = list.u16();
@@ -514,6 +529,28 @@ bool is_readable_proof(std::span<const std::uint8_t> content, IsCertificate is_c
   Cursor message{content.subspan(4), content[1] == 1};
   check_proof(message, is_certificate);
   return message.ok();
+}
+
+void skip_unused_parameters(std::span<std::uint8_t> message) noexcept {
+  for (Submessages rest{message}; !rest.empty();) {
+    const auto one = rest.next();
+    if (one.kind != 0x15 || (one.flags & kData) == 0) continue;
+    Cursor body{one.body, one.little()};
+    Cursor copy = body;
+    copy.skip(2);
+    const std::uint32_t to_qos = copy.u16();
+    if (!discovers(check_head(body, kBeforeData))) continue;
+    body.skip(to_qos - kBeforeData);
+    if ((one.flags & kInlineQos) != 0) check_parameters(body);
+    const auto encapsulation = body.bytes(4);
+    if (!body.ok()) continue;
+    Cursor list{body.bytes(body.left()), encapsulation[1] == 3};
+    check_parameters(list, [&](std::uint32_t parameter, Cursor value) {
+      if (!is_unused(parameter)) return;
+      const std::size_t begin = static_cast<std::size_t>(value.bytes(0).data() - message.data()) - 4;
+      message[begin] = message[begin + 1] = kPad;
+    });
+  }
 }
 
 bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept {

@@ -62,6 +62,15 @@ Bytes message(std::uint8_t kind, std::uint8_t flags, const Body& body) {
   return all;
 }
 
+void append(Bytes& all, std::uint8_t kind, const Body& body, std::uint8_t flags = 0) {
+  const Bytes one = message(kind, flags, body);
+  all.insert(all.end(), one.begin() + 20, one.end());
+}
+
+constexpr std::uint8_t kSecBody = 0x30;
+constexpr std::uint8_t kSecPrefix = 0x31;
+constexpr std::uint8_t kSrtpsPrefix = 0x33;
+
 bool is_rtps(const Bytes& bytes) { return !bytes.empty() && readable_rtps(bytes) == bytes.size(); }
 
 /// Expects that the filter accepts a submessage with this content, and rejects it if any bytes are missing at
@@ -388,16 +397,63 @@ TEST(RtpsFilter, ChecksAnAuthenticationMessageThatWasAssembled) {
     EXPECT_FALSE(is_readable_proof(std::span{whole}.first(n))) << n;
 }
 
-// ---- Messages that DDS Security protects
-
-void append(Bytes& all, std::uint8_t kind, const Body& body, std::uint8_t flags = 0) {
-  const Bytes one = message(kind, flags, body);
-  all.insert(all.end(), one.begin() + 20, one.end());
+// Fast DDS builds an object for each description of a type, however wrong, and parses a content filter
+// recursively.
+TEST(RtpsFilter, HidesParametersThatTaktDoesNotNeed) {
+  const auto announcements = [](std::uint32_t writer, std::uint32_t which) {
+    const Body list = parameter(0x05, Body{}.text("takt/device"))
+                          .add(parameter(which, Body{}.u32(0xffffffff).zeros(40)))
+                          .add(parameter(0x07, Body{}.text("takt::DeviceStatus")))
+                          .add(parameter(which, Body{}));
+    const Body inline_qos = parameter(0x70, Body{}.zeros(16)).add(end_of_list());
+    const Body content = Body{}.u8(0).u8(3).u16(0).add(list).add(end_of_list());
+    Bytes all = message(0x15, 4, data_head(writer).add(content));
+    append(all, 0x09, Body{}.zeros(8));
+    append(all, 0x15, data_head(writer).add(inline_qos).add(content), 6);
+    return all;
+  };
+  for (const std::uint32_t writer : {kSpdpWriter, 0x3c2U, 0x4c2U}) {
+    for (const std::uint32_t which : {0x69U, 0x72U, 0x75U, 0x4075U}) {
+      Bytes sent = announcements(writer, which);
+      ASSERT_TRUE(is_rtps(sent));
+      skip_unused_parameters(sent);
+      EXPECT_EQ(sent, announcements(writer, 0)) << which;
+    }
+    const Body filter = Body{}.text("f").text("t").text("DDSSQL").text(std::string(20000, '(')).u32(0);
+    const auto filtered = [&](std::uint32_t which) {
+      return message(0x15, 4,
+                     data_head(writer).u8(0).u8(3).u16(0).add(parameter(which, filter)).add(end_of_list()));
+    };
+    Bytes sent = filtered(0x35);
+    ASSERT_TRUE(is_rtps(sent));
+    skip_unused_parameters(sent);
+    EXPECT_EQ(sent, filtered(0));
+  }
+  const Bytes others = announcements(0x3c2, 0x8007);
+  Bytes sent = others;
+  skip_unused_parameters(sent);
+  EXPECT_EQ(sent, others) << "other parameters stay";
+  const Bytes sample = announcements(0x103, 0x75);
+  sent = sample;
+  skip_unused_parameters(sent);
+  EXPECT_EQ(sent, sample) << "a sample stays as it is";
 }
 
-constexpr std::uint8_t kSecBody = 0x30;
-constexpr std::uint8_t kSecPrefix = 0x31;
-constexpr std::uint8_t kSrtpsPrefix = 0x33;
+TEST(RtpsFilter, RejectsAnEncryptedContentLongerThanItsMessage) {
+  for (const std::uint32_t size : {0xfffffff0U, 0xfffffff8U, 0xfffffffcU, 0xfffffffdU, 0xffffffffU}) {
+    for (const std::uint8_t prefix : {kSecPrefix, kSrtpsPrefix}) {
+      for (const std::size_t content : {0U, 4U, 64U}) {
+        Bytes all = header();
+        append(all, prefix, Body{}.zeros(20));
+        append(all, kSecBody, Body{}.id(size).zeros(content));
+        append(all, prefix + 1, Body{}.zeros(20));
+        EXPECT_FALSE(is_rtps(all)) << size << ", " << content;
+      }
+    }
+  }
+}
+
+// ---- Messages that DDS Security protects
 
 /// Returns an encrypted message or submessage with an authentication code for each of `readers` readers.
 Bytes encrypted(std::uint8_t prefix, std::uint32_t readers = 0) {

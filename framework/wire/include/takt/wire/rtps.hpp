@@ -28,6 +28,11 @@ using IsCertificate = bool (*)(std::span<const std::uint8_t>) noexcept;
 [[nodiscard]] std::size_t readable_rtps(std::span<const std::uint8_t> message,
                                         IsCertificate is_certificate = nullptr) noexcept;
 
+/// Makes Fast DDS skip the parameters of a readable message that Takt does not need: content filters, and the
+/// descriptions of types, of which a small one can cost much memory and time. Any thread may call this
+/// function; it does not allocate.
+void skip_unused_parameters(std::span<std::uint8_t> message) noexcept;
+
 /// Returns true if Fast DDS may read this authentication message, which it has assembled from fragments:
 /// readable_rtps() checks only the fragments. `content` begins with the encapsulation. `is_certificate` may
 /// be null.
