@@ -289,4 +289,5 @@ def main():
         print(json.dumps(storm(float(seconds), float(rate), int(seed), kinds.split(","), json.loads(targets), path[0] if path else None)))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -21,6 +21,8 @@ SECONDS = takt_system.how_much("TAKT_STORM_SECONDS", 5.0, 20.0)
 RATE = float(os.environ.get("TAKT_STORM_RATE", "5000"))
 SEED = int(os.environ.get("TAKT_STORM_SEED", random.randrange(10 ** 6)))
 ATTACK = os.path.join(os.path.dirname(os.path.abspath(__file__)), "attack.py")
+IMPOSTOR = os.path.join(os.path.dirname(ATTACK), "impostor.py")
+DDS_PORTS = (7400, 7401, 7410, 7411)
 TCP_PORT = 1502
 
 
@@ -189,6 +191,63 @@ class InTheOpen(Storm):
             self.assertIsNone(self.machines[device].status, "the node of %s ended: %s" % (device, self.machines[device].err))
             self.assertEqual(self.hosts[device], self.machines[device].one("takt-host").pid, "the host of %s" % device)
             self.assertLess(wear.taken_by(self.machines[device].one("takt-node").pid)["rss_kib"], 500_000)
+
+    def impersonate(self, name, near, *ports):
+        """Deploys the cell. Returns a function that sends the packets of a case of impostor.py to the device `near`, in the name of the node
+        of device `name`."""
+        captured = os.path.join(self.folder, "captured")
+        listening = self.attack("operator", "capture", captured, "3", wait=False)
+        self.assertEqual("ready\n", listening.stdout.readline())
+        self.deploy()
+        listening.wait()
+        targets = {"udp": [[self.net.address(near), port] for port in ports], "from": self.net.address("stranger"),
+                   "name": self.net.address(name), "near": self.net.on(near)[-1]}
+
+        def send(case, amount):
+            run = subprocess.run([*self.net.on("stranger"), sys.executable, "-B", IMPOSTOR, captured, case, str(amount), json.dumps(targets)],
+                                 stdout=subprocess.PIPE, text=True, timeout=takt_system.LONG)
+            self.assertEqual(0, run.returncode, case)
+            return json.loads(run.stdout)
+        return send
+
+    def check_that_all_live(self, after):
+        """Checks that no process has ended or uses much memory, and that commands work."""
+        for device in DEVICES:
+            run = self.machines[device]
+            self.assertIsNone(run.status, "after %s, the node of %s ended: %s" % (after, device, run.err))
+            self.assertEqual(self.hosts[device], run.one("takt-host").pid, "after %s, the host of %s" % (after, device))
+            used = wear.taken_by(run.one("takt-node").pid)["rss_kib"]
+            print("after %s: the node of %s uses %d KiB" % (after, device, used))
+            self.assertLess(used, 150_000, "after %s, the node of %s" % (after, device))
+        self.slowest = 0.0
+        self.stop_and_start()
+        self.assertEqual(set(DEVICES), set(self.status()), after)
+
+    def survive(self, *cases, rounds):
+        send = self.impersonate("robot", "line", *DDS_PORTS)
+        for case in cases:
+            sent = send(case, rounds)
+            self.check_that_all_live(case)
+            self.assertFalse(sent["silent"], case)
+
+    def test_a_cell_survives_forged_fragments_of_a_sample_that_a_member_sends_next(self):
+        self.survive("false_size", "one_of_two", "whole_but_invalid", "many_begun", "far_ahead", rounds=10)
+
+    def test_a_cell_survives_forged_announcements_of_a_members_writer(self):
+        self.survive("false_counts", "nested_filter", "false_types", "false_durations", "encrypted", rounds=2)
+
+    def test_a_flood_of_forged_samples_costs_no_memory_and_no_commands(self):
+        self.deploy()
+        self.hold(SECONDS)
+        self.read_back("quiet")
+        send = self.impersonate("line", "robot", 7401, 7411)  # the ports for status and commands
+        sent = send("flood", SECONDS)
+        self.check_that_all_live("flood")
+        events = [json.loads(line) for line in self.order("log", "robot", "--json").out.splitlines()]
+        refused = [e for e in events if e["kind"] == "refused-packet"]
+        print("sent: %s; rejected: %d" % (sent, sum(e["count"] for e in refused)))
+        self.assertTrue(refused)
+        self.read_back("flood")
 
 
 class Secured(Storm):
