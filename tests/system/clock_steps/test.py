@@ -6,12 +6,25 @@ import sys
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import networks
 import takt_system
 from shifted_clock import WallClock
 from takt_system import wait_until
 
 HOUR = 3600
 DAY = 24 * HOUR
+FAR = """<cell name="far">
+  <device name="robot"><module><name>source</name>
+    <filename>port_source.so</filename> <moduletype>thread</moduletype> <operationtype>periodic</operationtype>
+    <period>20ms</period> <priority>1</priority>
+  </module></device>
+  <device name="line"><module><name>sink</name>
+    <filename>port_sink.so</filename> <moduletype>thread</moduletype> <operationtype>periodic</operationtype>
+    <period>5ms</period> <priority>1</priority>
+  </module></device>
+  <connection from="robot.source.out" to="line.sink.in" deadline="100ms"/>
+</cell>
+"""
 
 
 class ClockSteps(takt_system.Case):
@@ -200,6 +213,36 @@ class ClockSteps(takt_system.Case):
         wait_until(lambda: "clocks-agree" in self.done("log --kind clocks-agree")[0], "the event")
         self.done("undeploy delayed")
         self.end(self.nodes_of_cell)
+
+
+class FarDevices(networks.NetworkCase):
+    """Packets between the devices take 300 ms in each direction, longer than the deadline of their connection."""
+    MACHINES = ("robot", "line")
+
+    def test_a_late_value_stays_late_if_the_clock_of_its_writer_is_set_by_less_than_the_round_trip(self):
+        robot = WallClock(os.path.join(self.folder, "clock.robot"))
+        self.net.impair("robot", delay=0.3)
+        nodes = {"robot": self.node("robot", environment=robot.environment), "line": self.node("line")}
+        self.deploy(self.write("far.xml", FAR))
+        self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
+
+        def line_knows(seconds):
+            """Returns the status of line if it contains the true difference of the clocks, and values have arrived since."""
+            line = self.status().get("line")
+            if line is None or line["clock"] is None or line["modules"][0]["ports"][0]["age_us"] is None:
+                return None
+            self.assertEqual("robot", line["clock"]["reference"])
+            return line if abs(line["clock"]["offset_us"] + seconds * 1e6) <= line["clock"]["bound_us"] + 5e3 else None
+
+        for seconds in (0, 0.55, 0):
+            with self.subTest(seconds):
+                robot.set_by(seconds)
+                wait_until(lambda: line_knows(seconds), "line to measure the clock of robot")
+                for _ in range(3):
+                    port = wait_until(lambda: line_knows(seconds), "the status of line")["modules"][0]["ports"][0]
+                    self.assertGreater(port["age_us"], 300e3, "each value needs 300 ms, and the deadline is 100 ms")
+        self.done("undeploy far")
+        self.end(nodes)
 
 
 if __name__ == "__main__":

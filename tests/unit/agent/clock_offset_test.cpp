@@ -112,6 +112,21 @@ TEST(ClockOffset, FollowsAClockThatIsSet) {
   }
 }
 
+TEST(ClockOffset, FollowsAClockThatIsSetByLessThanTheRoundTripTime) {
+  for (const milliseconds step :
+       {milliseconds{500}, milliseconds{100}, milliseconds{-100}, milliseconds{-500}}) {
+    TwoNodes nodes;
+    nodes.there = nodes.back = milliseconds{300};
+    for (int i = 0; i < 5; ++i) nodes.exchange();
+    nodes.ahead += step;
+    nodes.back = milliseconds{320};
+    for (int i = 0; i < 5; ++i) {
+      nodes.exchange();
+      nodes.expect_truth_within(milliseconds{621});
+    }
+  }
+}
+
 TEST(ClockOffset, IsNotKnownAfterTheClockWasSetForwardUntilTheNextAnswer) {
   TwoNodes nodes;
   nodes.exchange();

@@ -20,7 +20,8 @@ struct ClockBounds {
 /// the answer arrived. The delays of the two messages are not known, but neither is negative. So the bounds
 /// always contain the true value, and they are as far apart as the round trip is long. Bounds that were
 /// measured earlier become wider with time, because clocks drift; new bounds narrow them. If the bounds
-/// contradict each other, the clock was set, and only the newest count. The class reads no clock.
+/// contradict each other, or if both move in the same direction, the clock was set, and only the newest
+/// count. The class reads no clock.
 class ClockOffset {
  public:
   /// Two clocks drift apart by at most one 2000th: the kernel adjusts a clock by at most 500 ppm.
@@ -37,6 +38,9 @@ class ClockOffset {
   [[nodiscard]] std::optional<ClockBounds> at(Instant now) const;
 
  private:
+  /// Returns how far the two clocks may have drifted apart since the last answer.
+  [[nodiscard]] std::int64_t drift_until(Instant now) const;
+
   std::optional<ClockBounds> bounds_;
   Instant measured_{};
 };
