@@ -26,10 +26,12 @@ new MutationObserver((changes) => changes.forEach(({target}) => { if (target.dat
 
 
 class Browser:
-    def __init__(self, folder, width=1440, height=900):
+    def __init__(self, folder, width=1440, height=900, local_names=()):
+        """`local_names` are host names that mean this machine to the browser."""
         options = Options()
         options.binary_location = "/usr/bin/chromium"
-        for option in OPTIONS + ("--user-data-dir=" + os.path.join(folder, "browser"), "--window-size=%d,%d" % (width, height)):
+        for option in OPTIONS + ("--user-data-dir=" + os.path.join(folder, "browser"), "--window-size=%d,%d" % (width, height),
+                                 "--host-resolver-rules=" + ",".join("MAP %s 127.0.0.1" % name for name in local_names)):
             options.add_argument(option)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         environment = dict(os.environ, TMPDIR=folder, HOME=folder)
@@ -49,6 +51,29 @@ class Browser:
 
     def open(self, address):
         self.driver.get(address)
+
+    def open_tab(self, address, window="tab"):
+        """Opens an address in a new tab, or, with `window`="window", in a new window. The test continues there. Returns the tab for
+        select_tab()."""
+        self.driver.switch_to.new_window(window)
+        self.open(address)
+        return self.driver.current_window_handle
+
+    def select_tab(self, tab):
+        self.driver.switch_to.window(tab)
+
+    def hide(self):
+        """Minimises the window of the tab, so that the browser tells the page that it is hidden."""
+        self.driver.minimize_window()
+        wait_until(lambda: self.script("return document.hidden"), "the tab to be hidden")
+
+    def show(self):
+        self.driver.set_window_rect(0, 0, 1440, 900)
+        wait_until(lambda: not self.script("return document.hidden"), "the tab to be visible")
+
+    def without_shared_workers(self):
+        """Makes each address that is opened later in this tab believe that the browser has no shared workers, as Chrome on Android."""
+        self.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": "delete window.SharedWorker"})
 
     def go(self, route):
         """Opens another view of the page, as a link on the page does."""

@@ -2,6 +2,7 @@ import json
 import os
 import re
 import signal
+import socket
 import sys
 import time
 import urllib.error
@@ -70,6 +71,14 @@ class Web(takt_system.Case):
         wait_until(lambda: self.page.script("return document.querySelector(arguments[0])?.disabled", button) is False,
                    "the button %s" % verb)
         self.page.click(button)
+
+    def viewers(self):
+        """Returns the number of event streams that are open."""
+        with urllib.request.urlopen(self.address + "metrics", timeout=takt_system.LONG) as metrics:
+            return int(re.search(r"^takt_web_viewers (\d+)$", metrics.read().decode(), re.M)[1])
+
+    def wait_for_viewers(self, number):
+        wait_until(lambda: self.viewers() == number, "%d event streams" % number)
 
     @takt_system.quiet("the test looks for the last faults, and rows missed on a busy machine would be newer faults")
     def test_the_web_page_shows_the_states_that_nodes_publish(self):
@@ -214,6 +223,104 @@ class Web(takt_system.Case):
         page.wait_for(label + " .answer", "is now <img")
         self.assertEqual(0, page.script("return document.querySelectorAll('img').length"))
         self.finish(web, apart=("409",))
+
+    def test_a_command_is_answered_while_twenty_tabs_show_the_web_page(self):
+        web = self.serve()
+        self.cell()
+        # Over plain HTTP, the address must have another host name than localhost. Otherwise, the browser trusts the page, and offers it more.
+        here = re.sub(r"127\.0\.0\.1", socket.gethostname(), self.address)
+        page = self.look("#/modules", local_names=[socket.gethostname()])
+        page.driver.set_page_load_timeout(takt_system.LONG)
+        page.open(here + "#token=" + TOKEN)
+        self.assertFalse(page.script("return isSecureContext"))
+        self.select("robot.tuned")
+        first = page.driver.current_window_handle
+        others = []
+        for _ in range(19):
+            others.append(page.open_tab(here + "#/modules"))
+            page.wait_for("tr[data-module='robot.tuned'] .word", "^EXECUTING$")
+        page.select_tab(first)
+        took = []
+        for verb in ("stop", "start") * takt_system.how_much("TAKT_TEST_COMMANDS", 10, 50):
+            answer, took_ms = page.wait_script(ORDER, verb)
+            self.assertRegex(answer, "^robot.tuned: %s done" % verb)
+            took.append(took_ms)
+        took.sort()
+        print("from a click until the answer, with twenty tabs: %d commands, ms: p50 %.0f, p99 %.0f, longest %.0f"
+              % (len(took), took[len(took) // 2], took[len(took) * 99 // 100], took[-1]))
+        page.wait_script(ORDER, "stop")
+        for tab in others:
+            page.select_tab(tab)
+            page.wait_for("tr[data-module='robot.tuned'] .word", r"^START \(stopped\)$")
+        self.assertEqual(1, self.viewers(), "all tabs must share one event stream")
+        self.finish(web)
+
+    def test_a_hidden_tab_of_the_web_page_gets_no_events_until_it_is_shown(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("#/modules?select=robot.tuned")
+        first = page.driver.current_window_handle
+        page.wait_for("#details .steps li", "EXECUTING$")
+        alone = page.open_tab("about:blank", "window")
+        page.without_shared_workers()
+        page.open(self.address + "#/modules")
+        page.wait_for("tr[data-module='robot.tuned'] .word", "^EXECUTING$")
+        third = page.open_tab(self.address + "#/modules?select=robot.tuned", "window")
+        self.wait_for_viewers(2)
+        page.select_tab(alone)
+        page.hide()
+        self.wait_for_viewers(1)
+        page.select_tab(first)
+        page.hide()
+        page.select_tab(third)
+        for verb, state in (("stop", r"^START \(stopped\)$"), ("start", "^EXECUTING$"), ("stop", r"^START \(stopped\)$")):
+            self.done(verb + " robot.tuned")
+            page.wait_for("tr[data-module='robot.tuned'] .word", state)
+        told = page.texts(".steps li")
+        page.select_tab(first)
+        self.assertEqual("EXECUTING", page.states()["robot.tuned"])
+        page.show()
+        page.wait_for("tr[data-module='robot.tuned'] .word", r"^START \(stopped\)$")
+        wait_until(lambda: page.texts(".steps li") == told, "all state changes, including those while the tab was hidden")
+        page.select_tab(third)
+        page.driver.close()
+        page.select_tab(alone)
+        self.assertEqual("EXECUTING", page.states()["robot.tuned"])
+        page.show()
+        page.wait_for("tr[data-module='robot.tuned'] .word", r"^START \(stopped\)$")
+        self.wait_for_viewers(2)
+        self.finish(web)
+
+    def test_tabs_of_the_web_page_can_plot_different_ports(self):
+        with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "cell.xml")) as file:
+            cell = file.read().replace("<name>tuned</name> <filename>cpp_properties.so", "<name>other</name> <filename>port_source.so")
+        web = self.serve()
+        self.cell(self.write("cell.xml", cell))
+        page = self.look("#/plots?port=robot.source.out")
+        tabs = [page.driver.current_window_handle]
+        tabs += [page.open_tab(self.address + "#/plots?port=robot.%s.out" % module, "window") for module in ("other", "source")]
+
+        def number():
+            return int(page.wait_for(".time-plot b", r"^\d+$"))
+
+        def plots():
+            last = number()
+            wait_until(lambda: number() > last + 50, "newer values")
+        for tab in tabs:
+            page.select_tab(tab)
+            plots()
+        # A plot must go on after its tab was hidden, and while another tab chooses another port.
+        page.hide()
+        page.select_tab(tabs[0])
+        page.go("#/plots?port=robot.source.nothing")
+        page.wait_for(".tools [role=status]", "no port")
+        page.select_tab(tabs[1])
+        plots()
+        page.select_tab(tabs[2])
+        page.show()
+        plots()
+        self.assertEqual(1, self.viewers(), "all tabs must share one event stream")
+        self.finish(web)
 
     def test_the_web_page_is_read_only_without_the_token(self):
         web = self.serve()
@@ -644,6 +751,22 @@ class Web(takt_system.Case):
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait().status, web.err)
 
+
+# This script clicks the button of a command, and confirms it if the page asks. It calls done() with the answer that the page shows, and with
+# the time until then, in ms.
+ORDER = """
+const answer = document.querySelector("#details .commands .answer");
+const button = document.querySelector(`#details [data-verb=${arguments[0]}]`);
+const press = () => {
+  if (button.disabled) return void requestAnimationFrame(press);
+  const began = performance.now();
+  button.click();
+  document.querySelector("dialog button.danger")?.click();
+  new MutationObserver(() => { if (!answer.textContent.endsWith("...")) done([answer.textContent, performance.now() - began]); })
+    .observe(answer, {childList: true, characterData: true, subtree: true});
+};
+press();
+"""
 
 # This script finds texts whose contrast to their background is lower than WCAG level AA requires. As in WCAG, disabled elements do not
 # count.

@@ -93,7 +93,7 @@ TEST(Metrics, ShowTheHealthOfEachConnection) {
 
 TEST(Metrics, OmitMetricFamiliesWithoutSamples) {
   EXPECT_EQ(metrics_text({}, nullptr, {}),
-            "# HELP takt_web_viewers Open pages.\n# TYPE takt_web_viewers gauge\ntakt_web_viewers 0\n");
+            "# HELP takt_web_viewers Open event streams.\n# TYPE takt_web_viewers gauge\ntakt_web_viewers 0\n");
 }
 
 TEST(Metrics, ContainEveryMetricThatTheDashboardUses) {

@@ -242,7 +242,7 @@ std::string metrics_text(const std::vector<wire::ObservedDevice>& seen, const mo
       faults.add({{"device", device}, {"severity", model::to_text(static_cast<model::Severity>(severity))}},
                  numbers[severity]);
   }
-  Metric viewers{"takt_web_viewers", kGauge, "Open pages."};
+  Metric viewers{"takt_web_viewers", kGauge, "Open event streams."};
   viewers.add({}, std::uint64_t{counted.viewers});
   return text + faults.text() + viewers.text();
 }

@@ -18,7 +18,7 @@ namespace takt::tool::web {
 struct Counted {
   /// The number of fault events, by device and severity. A model::Severity is the index of the array.
   std::map<std::string, std::array<std::uint64_t, 3>> faults{};
-  std::size_t viewers = 0;  ///< open pages
+  std::size_t viewers = 0;  ///< open event streams
 };
 
 /// The metrics as text. `cell` is the running cell. If no running cell is known, `cell` is null and the text

@@ -15,6 +15,15 @@
 
 namespace takt::tool::web {
 
+namespace {
+
+// How many values of a port, and of all its ports, a stream gets at once. 8000 values are about 4.8 MB if
+// each has 32 fields; the limit of a stream's queue is 8 MiB.
+constexpr std::size_t kMostOfPort = 1000;
+constexpr std::size_t kMostAtOnce = 8000;
+
+}  // namespace
+
 struct WatchedPorts::Source {
   explicit Source(dds::Flow of) : flow(std::move(of)), columns(flow.type) {
     for (std::size_t i = 0; i < columns.all().size() && shown.size() < kMostFields; ++i) {
@@ -55,14 +64,14 @@ struct WatchedPorts::Source {
     return {{"port", port}, {"type", flow.type.name}, {"fields", std::move(fields)}};
   }
 
-  /// Returns the next values for a stream that already has `has` values, and adds their number to `has`.
-  /// Returns none if there are no new values.
-  std::optional<Json> news(const std::string& port, std::uint64_t& has) {
+  /// Returns the next values, at most `most`, for a stream that already has `has` values, and adds their
+  /// number to `has`. Returns none if there are no new values.
+  std::optional<Json> news(const std::string& port, std::uint64_t& has, std::size_t most) {
     const std::lock_guard lock{mutex};
     const bool whole = has == 0;
     if (has == added && !whole) return std::nullopt;
     const auto missing = static_cast<std::size_t>(std::min<std::uint64_t>(added - has, points.size()));
-    const std::size_t taken = std::min(missing, kMostAtOnce);
+    const std::size_t taken = std::min(missing, most);
     Json times = Json::array();
     std::vector<Json> series(shown.size(), Json::array());
     const std::size_t first = points.size() - missing;
@@ -81,9 +90,6 @@ struct WatchedPorts::Source {
 
   static constexpr std::size_t kMostPoints =
       static_cast<std::size_t>(std::chrono::milliseconds{kKept} / kApart);
-
-  static constexpr std::size_t kMostAtOnce =
-      1000;  // about 600 kB if the port has 32 fields; the limit of a stream's queue is 8 MiB
 
   const dds::Flow flow;
   const recording::Columns columns;
@@ -153,11 +159,13 @@ void WatchedPorts::send() {
       view = views_.erase(view);
       continue;
     }
+    const std::size_t most =
+        std::min(kMostOfPort, kMostAtOnce / std::max<std::size_t>(view->second.size(), 1));
     for (auto& [port, has] : view->second) {
       const auto source = sources_.find(port);
       if (source == sources_.end()) continue;
       source->second->used = os::now();
-      if (const auto news = source->second->news(port, has))
+      if (const auto news = source->second->news(port, has, most))
         stream->send(event_text("points", model::json_text(*news)));
     }
     ++view;

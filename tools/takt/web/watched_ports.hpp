@@ -21,7 +21,7 @@ namespace takt::tool::web {
 /// again. Any thread may call the functions.
 class WatchedPorts {
  public:
-  static constexpr std::size_t kMost = 8;          ///< limit of the ports of one stream
+  static constexpr std::size_t kMost = 32;         ///< limit of the ports of one stream
   static constexpr std::size_t kMostFields = 32;   ///< limit of the plotted fields of one port
   static constexpr std::chrono::minutes kKept{5};  ///< how long a value is kept
   static constexpr std::chrono::milliseconds kApart{

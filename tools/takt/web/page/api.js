@@ -47,7 +47,7 @@ function send(method, path, body) {
 
 async function ask(address, options) {
   const headers = { ...options.headers };
-  const token = sessionStorage.getItem(kKept);
+  const token = globalThis.sessionStorage?.getItem(kKept);  // a worker has no storage, and needs no token
   if (token) headers.Authorization = `Bearer ${token}`;
   const limit_s = kLimits_s[options.method];
   let response;

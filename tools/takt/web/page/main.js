@@ -11,6 +11,7 @@ import { lookOfLink } from "./looks.js";
 import { Modules } from "./modules.js";
 import { Plots } from "./plots.js";
 import { addressOf, alter, currentRoute } from "./route.js";
+import { SharedStream } from "./shared_stream.js";
 import { Speaker } from "./speaker.js";
 import { Store } from "./store.js";
 import { Stream } from "./stream.js";
@@ -19,8 +20,6 @@ import { Table } from "./table.js";
 import { followTheme } from "./theme.js";
 import { Wall } from "./wall.js";
 import { clock } from "./words.js";
-
-const kQuiet_ms = 4000;  // the connection is "quiet" after this time without an event; normally `measures` arrives every second
 
 const byId = (name) => document.getElementById(name);
 const store = new Store();
@@ -107,28 +106,30 @@ async function askRights() {
   }
 }
 
+function take(name, data) {
+  if (name === "port") views.plots.view.takePort(data);
+  if (name === "points") views.plots.view.takePoints(data);
+  if (name === "state") speaker.take(data);
+  store.take(name, data);
+}
+
+function follow(link, since) {
+  store.setLink(link, since);
+  if (link === "live") askRights();
+}
+
+/// Reads the stream that all tabs share, or, if the browser has no shared workers, a stream of this page alone.
 function listen() {
-  const stream = new Stream("/api/events", {
-    stream: ({ id }) => { store.stream = id; },
-    port: (type) => views.plots.view.takePort(type),
-    points: (points) => views.plots.view.takePoints(points),
-    cell: (news) => store.takeCell(news),
-    state: (news) => {
-      speaker.take(news);
-      store.takeState(news);
-    },
-    measures: (news) => store.takeMeasures(news),
-    trends: (news) => store.takeTrends(news),
-    faults: (news) => store.takeFaults(news),
-  }, (now) => {
-    store.setLink(now);
-    if (now === "live") askRights();
-  });
-  setInterval(() => {
-    stream.check();
-    if (store.link === "live" && stream.silence > kQuiet_ms) store.setLink("quiet");
-    else if (store.link === "quiet" && stream.silence <= kQuiet_ms) store.setLink("live");
-  }, 500);
+  let stream;
+  const begin = (made) => {
+    stream = made;
+    stream.rest(document.hidden);
+  };
+  const alone = () => begin(new Stream(take, follow));
+  if (globalThis.SharedWorker) begin(new SharedStream(take, follow, alone));
+  else alone();
+  store.choose = (ports) => stream.choose(ports);
+  document.addEventListener("visibilitychange", () => stream.rest(document.hidden));
 }
 
 store.listen((changes) => {

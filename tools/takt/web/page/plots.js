@@ -1,6 +1,6 @@
 // The view that plots the values of a port over the last five minutes, one plot for each selected field.
 
-import { get, put } from "./api.js";
+import { get } from "./api.js";
 import { element, setText } from "./dom.js";
 import { adjust, alter, currentRoute } from "./route.js";
 import { TimePlot } from "./time_plot.js";
@@ -12,7 +12,6 @@ const kAgain_ms = 3000;
 export class Plots {
   #store;
   #port = null;
-  #sent = Promise.resolve();
   #fields = [];
   #times = [];
   #values = [];
@@ -139,21 +138,10 @@ export class Plots {
     this.again = setTimeout(() => this.#ask(), kAgain_ms);
   }
 
-  /// Tells the gateway the ports whose values it must send. Returns the problem, or null. Requests are sent one after the other, so that
-  /// the last one takes effect.
-  #select(ports) {
-    this.#sent = this.#sent.then(() => this.#put(ports));
-    return this.#sent;
-  }
-
-  async #put(ports) {
-    if (!this.#store.stream) return null;
-    try {
-      const { problems } = await put(`/api/streams/${this.#store.stream}/ports`, { ports });
-      return problems?.length > 0 ? [problems[0].what, problems[0].fix].filter(Boolean).join("; ") : null;
-    } catch (problem) {
-      return problem.text ?? problem.message;
-    }
+  /// Chooses the ports whose values the gateway sends. Returns the problem, or null.
+  async #select(ports) {
+    const [problem] = await this.#store.choose(ports);
+    return problem ? [problem.what, problem.fix].filter(Boolean).join("; ") : null;
   }
 
   get #chosen() {

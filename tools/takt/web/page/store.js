@@ -22,7 +22,7 @@ const runs = (device) => device?.alive === true && device.state === "running";
 export class Store {
   link = "connecting";
   linkSince = Date.now();
-  stream = null;         // the gateway's id for this page's event stream
+  choose = async () => [];  // see Stream.choose()
   rights = { command: false, why: "takt web has not answered yet" };
   cell = null;
   /// Devices by name, each as the gateway sends it.
@@ -35,6 +35,7 @@ export class Store {
   faults = [];
   faultsCome = 0;        // number of fault events since the page was opened
   problems = [];
+  measures = null;       // the last event `measures`
   time_ms = 0;           // the gateway's time in the last event, which arrived when this page's clock showed `seen`
   seen = 0;
   #listeners = [];
@@ -51,7 +52,31 @@ export class Store {
     return this.time_ms + (this.link === "live" ? Math.min(performance.now() - this.seen, 2000) : 0);
   }
 
+  /// The events that make another store equal to this one.
+  get events() {
+    const modules = [...this.modules.values()];
+    const each = (what) => Object.fromEntries(modules.map((module) => [module.name, module[what]]));
+    const events = [
+      ["link", { link: this.link, since: this.linkSince }],
+      ["cell", this.cell],
+      ["state", { whole: true, devices: [...this.devices.values()], modules: modules.map(({ state }) => state).filter(Boolean), steps: each("steps") }],
+      ["measures", this.measures],
+      ["trends", { jitter_us: each("trend") }],
+      ["faults", { whole: true, events: this.faults, problems: this.problems }],
+    ];
+    return this.cell ? events.filter(([, data]) => data) : events.slice(0, 1);
+  }
+
+  take(name, data) {
+    if (name === "cell") this.takeCell(data);
+    else if (name === "state") this.takeState(data);
+    else if (name === "measures") this.takeMeasures(data);
+    else if (name === "trends") this.takeTrends(data);
+    else if (name === "faults") this.takeFaults(data);
+  }
+
   change(act) {
+    if (this.#listeners.length === 0) return;
     act(this.#changes);
     if (this.#asked) return;
     this.#asked = true;
@@ -63,10 +88,8 @@ export class Store {
     });
   }
 
-  setLink(link) {
-    if (this.link === link) return;
-    this.link = link;
-    this.linkSince = Date.now();
+  setLink(link, since) {
+    [this.link, this.linkSince] = [link, since];
     this.change((changes) => { changes.link = true; });
   }
 
@@ -76,6 +99,7 @@ export class Store {
   }
 
   takeCell(cell) {
+    const same = JSON.stringify(cell) === JSON.stringify(this.cell);
     this.cell = cell;
     const known = this.modules;
     this.modules = new Map();
@@ -88,13 +112,17 @@ export class Store {
     for (const [name, module] of known) {
       if (!this.modules.has(name) && module.state) this.modules.set(name, { ...module, about: null });
     }
-    this.change((changes) => { changes.cell = changes.whole = true; });
+    this.change((changes) => {
+      changes.cell ||= !same;
+      changes.whole = true;
+    });
   }
 
   takeState(news) {
     if (news.whole) this.#forgetStates(news);
     for (const device of news.devices ?? []) this.#takeDevice(device);
     for (const state of news.modules ?? []) this.#takeModule(state);
+    for (const [name, steps] of Object.entries(news.steps ?? {})) if (this.modules.has(name)) this.modules.get(name).steps = steps;
     this.change((changes) => { changes.whole ||= news.whole === true; });
   }
 
@@ -145,6 +173,7 @@ export class Store {
   }
 
   takeMeasures(measures) {
+    this.measures = measures;
     this.time_ms = measures.time_ms;
     this.seen = performance.now();
     for (const [name, module] of this.modules) {

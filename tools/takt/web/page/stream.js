@@ -1,62 +1,99 @@
 // Receives the gateway's events, and reconnects. An EventSource alone neither notices a silent gateway nor retries after a rejection.
 
-const kAgain_ms = 1000;
+import { put } from "./api.js";
+
+const kCheck_ms = 500;
+const kQuiet_ms = 4000;  // normally the event `measures` arrives every second
 const kSilent_ms = 15000;
+const kAgain_ms = 1000;
+const kEvents = ["cell", "state", "measures", "trends", "faults", "port", "points"];
 
 export class Stream {
-  /// `events` has a function for each event's data, by the event's name. When the connection changes, `link` is called with "live" or
-  /// "lost".
-  constructor(address, events, link = () => {}) {
-    this.address = address;
-    this.events = events;
+  ports = [];  // the ports whose values this page shows
+  #source = null;
+  #id = null;  // the gateway's id for the stream
+  #timer;
+  #sent = Promise.resolve();
+  #next = null;
+  #lastEvent = 0;
+  #link = "";
+
+  /// `take` is called with the name and the data of each event. When the connection changes, `link` is called with "connecting", "live",
+  /// "quiet" or "lost". The stream is closed until rest(false).
+  constructor(take, link) {
+    this.take = take;
     this.link = link;
-    this.lastEvent = performance.now();
+    setInterval(() => this.#check(), kCheck_ms);
+  }
+
+  /// Closes the stream while the page is hidden. When the stream opens again, the gateway sends the complete state.
+  rest(hidden) {
+    this.close();
+    if (hidden) return;
+    this.report("connecting");
     this.open();
   }
 
+  /// Chooses the ports whose values the gateway sends. Returns the problems, each with `port`, `what` and `fix`.
+  choose(ports) {
+    this.ports = ports;
+    this.#next ??= this.#sent.then(() => this.#put());  // one request after the other, so that the last list takes effect
+    return this.#next;
+  }
+
   open() {
-    this.source = new EventSource(this.address);
-    this.source.onopen = () => this.receive();
-    this.source.onerror = () => this.reconnect();
-    for (const [name, act] of Object.entries(this.events)) {
-      this.source.addEventListener(name, (event) => {
+    this.receive();
+    this.#source = new EventSource("/api/events");
+    this.#source.onopen = () => this.report("live");
+    this.#source.onerror = () => this.reconnect();
+    this.#source.addEventListener("stream", (event) => { this.#id = JSON.parse(event.data).id; });
+    for (const name of kEvents) {
+      this.#source.addEventListener(name, (event) => {
         this.receive();
-        act(JSON.parse(event.data));
+        this.report("live");
+        this.take(name, JSON.parse(event.data));
+        if (name === "cell" && this.ports.length > 0) this.choose(this.ports);  // the stream or the cell is new
       });
     }
   }
 
-  receive() {
-    this.lastEvent = performance.now();
-    this.report("live");
-  }
-
-  report(link) {
-    if (this.reported === link) return;
-    this.reported = link;
-    this.link(link);
-  }
-
-  /// The time since the last event, in milliseconds.
-  get silence() {
-    return performance.now() - this.lastEvent;
-  }
-
-  /// Reconnects if no event has arrived for a long time. The page calls this regularly.
-  check() {
-    if (this.silence > kSilent_ms) this.reconnect();
+  close() {
+    clearTimeout(this.#timer);
+    this.#source?.close();
+    [this.#source, this.#id, this.#lastEvent] = [null, null, 0];
   }
 
   reconnect() {
-    this.source.close();
-    this.lastEvent = performance.now();
+    this.close();
     this.report("lost");
-    clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.open(), kAgain_ms);
+    this.#timer = setTimeout(() => this.open(), kAgain_ms);
   }
 
-  close() {
-    clearTimeout(this.timer);
-    this.source.close();
+  receive() {
+    this.#lastEvent = performance.now();
+  }
+
+  report(link, since = Date.now()) {
+    if (this.#link === link) return;
+    this.#link = link;
+    this.link(link, since);
+  }
+
+  #check() {
+    const silence = performance.now() - this.#lastEvent;
+    if (this.#lastEvent === 0) return;
+    if (silence > kSilent_ms) this.reconnect();
+    else if (silence > kQuiet_ms) this.report("quiet");
+  }
+
+  async #put() {
+    this.#sent = this.#next;
+    this.#next = null;
+    if (!this.#id) return [];  // open() chooses the ports again
+    try {
+      return (await put(`/api/streams/${this.#id}/ports`, { ports: this.ports })).problems ?? [];
+    } catch (problem) {
+      return [{ what: problem.what ?? problem.message, fix: problem.fix }];
+    }
   }
 }
