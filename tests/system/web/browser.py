@@ -13,7 +13,7 @@ from takt_system import wait_until
 
 OPTIONS = ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
            "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--disable-breakpad",
-           "--force-device-scale-factor=1")
+           "--force-device-scale-factor=1", "--ignore-certificate-errors")
 
 # This script records every state change of a row with its time, because the page shows only the current state.
 WATCH_STATES = """

@@ -132,13 +132,13 @@ TEST(RandomWord, DiffersEachTime) {
   EXPECT_NE(random_word(16), random_word(16));
 }
 
-TEST(OwnName, MustBeAnIpAddressLocalhostOrTheMachineName) {
-  for (const char* own :
-       {"127.0.0.1:8080", "10.0.0.7", "localhost", "LOCALHOST:80", "[::1]:8080", "[::1]", "Pc7:8080", "pc7"})
-    EXPECT_TRUE(is_own_name(own, "pc7")) << own;
+TEST(OwnName, MustBeAnIpAddressLocalhostTheMachineNameOrAnAllowedName) {
+  for (const char* own : {"127.0.0.1:8080", "10.0.0.7", "localhost", "LOCALHOST:80", "[::1]:8080", "[::1]",
+                          "Pc7:8080", "pc7", "cells.EXAMPLE:443"})
+    EXPECT_TRUE(is_own_name(own, {"pc7", "Cells.example"})) << own;
   for (const char* other : {"", ":80", "evil.example", "evil.example:8080", "pc7.evil.example",
-                            "127.0.0.1.evil.example", "localhost.evil"})
-    EXPECT_FALSE(is_own_name(other, "pc7")) << other;
+                            "127.0.0.1.evil.example", "localhost.evil", "example"})
+    EXPECT_FALSE(is_own_name(other, {"pc7", "cells.example"})) << other;
 }
 
 }  // namespace

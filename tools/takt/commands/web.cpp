@@ -105,6 +105,12 @@ void add_web(CLI::App& app, Chosen& chosen) {
           "the address on which to listen; 0.0.0.0: all addresses, so that other machines can open the page")
       ->type_name("ADDRESS")
       ->capture_default_str();
+  command
+      ->add_option(
+          "--host-name", options->server.names,
+          "a further host name under which the page can be opened, such as that of a proxy; repeatable")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
   command->add_flag("--commands", options->commands,
                     "allow commands, and print a token; anyone with the token may start, stop and recover "
                     "modules and set properties. Without this option, the page is read-only");

@@ -127,8 +127,9 @@ class Library final : public httplib::Server {
 
 class HttpServer final : public Server {
  public:
-  HttpServer(Gateway& gateway, std::string token)
-      : gateway_(gateway), token_(std::move(token)), machine_(os::host_name()) {
+  HttpServer(Gateway& gateway, const ServerOptions& options)
+      : gateway_(gateway), token_(options.token), machine_(os::host_name()), names_(options.names) {
+    names_.push_back(machine_);
     server_.on_connection([this](os::Fd connection) { intake_->add(std::move(connection)); });
     server_.set_tcp_nodelay(true);
     // Do not set SO_REUSEPORT, which cpp-httplib sets by default: this option would let a second server on
@@ -145,11 +146,12 @@ class HttpServer final : public Server {
          {"Referrer-Policy", "no-referrer"},
          {"Cache-Control", "no-store"}});
     server_.set_pre_routing_handler([this](const Request& request, Response& response) {
-      if (is_own_name(request.get_header_value("Host"), machine_))
+      if (is_own_name(request.get_header_value("Host"), names_))
         return httplib::Server::HandlerResponse::Unhandled;
       put(response, answer_of(421, {.where = "",
                                     .what = "the host name in the request is not a name of this machine",
-                                    .fix = "open the page by its IP address, or as http://" + machine_}));
+                                    .fix = "open the page by its IP address, or as http://" + machine_ +
+                                           ", or start takt web with --host-name and this name"}));
       return httplib::Server::HandlerResponse::Handled;
     });
     server_.set_error_handler([](const Request& request, Response& response) {
@@ -291,6 +293,7 @@ class HttpServer final : public Server {
                                     .fix = "close another page"}));
       return;
     }
+    response.set_header("X-Accel-Buffering", "no");  // nginx would otherwise hold back events
     response.set_chunked_content_provider(
         "text/event-stream",
         [stream](std::size_t, httplib::DataSink& sink) {
@@ -317,6 +320,7 @@ class HttpServer final : public Server {
   Gateway& gateway_;
   const std::string token_;
   const std::string machine_;
+  std::vector<std::string> names_;
   std::counting_semaphore<kMostWaiting> may_wait_{kMostWaiting};
   Library server_;
   httplib::ThreadPool workers_{kThreads};
@@ -339,15 +343,16 @@ std::string lower(std::string text) {
 
 }  // namespace
 
-bool is_own_name(const std::string& host, const std::string& machine) {
+bool is_own_name(const std::string& host, const std::vector<std::string>& names) {
   std::string name = lower(host);
   const std::size_t colon = name.rfind(':');
   if (colon != std::string::npos && name.find(']', colon) == std::string::npos) name.resize(colon);
-  return is_address(name) || name == "localhost" || name == lower(machine);
+  return is_address(name) || name == "localhost" ||
+         std::any_of(names.begin(), names.end(), [&](const std::string& own) { return name == lower(own); });
 }
 
 Result<std::unique_ptr<Server>> Server::create(Gateway& gateway, const ServerOptions& options) {
-  auto server = std::make_unique<HttpServer>(gateway, options.token);
+  auto server = std::make_unique<HttpServer>(gateway, options);
   if (const auto listening = server->listen(options); !listening) return listening.problems();
   return std::unique_ptr<Server>{std::move(server)};
 }

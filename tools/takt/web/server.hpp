@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <takt/core/result.hpp>
 
@@ -15,6 +16,7 @@ struct ServerOptions {
   std::string address = "127.0.0.1";  ///< the IP address on which the server listens
   int port = 8080;                    ///< 0 chooses any free port
   std::string token{};                ///< commands need this token; if it is empty, no commands are allowed
+  std::vector<std::string> names{};   ///< further host names under which the page can be opened
 };
 
 /// Serves requests on its own threads until it is destroyed.
@@ -30,9 +32,10 @@ class Server {
   Server() = default;
 };
 
-/// True if the host of a request (header Host, with or without a port) is an IP address, localhost or the
-/// name of this machine. The server rejects other names: an attacker could point a DNS name to this machine,
-/// so that a web page of the attacker can read the cell (DNS rebinding).
-bool is_own_name(const std::string& host, const std::string& machine);
+/// True if the host of a request (header Host, with or without a port) is an IP address, localhost or one of
+/// the names: that of this machine, or one that --host-name allows. The server rejects other names: an
+/// attacker could point a DNS name to this machine, so that a web page of the attacker can read the cell (DNS
+/// rebinding).
+bool is_own_name(const std::string& host, const std::vector<std::string>& names);
 
 }  // namespace takt::tool::web

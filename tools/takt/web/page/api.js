@@ -1,6 +1,7 @@
 // Sends requests to the gateway of `takt web`, with the token that commands need.
 
-const kKept = "takt-token";
+// The token is kept for the folder of the page, because a proxy may serve several cells under one host name.
+const kKept = `takt-token ${new URL(".", location).pathname}`;
 // How long the page waits for an answer, by the method of the request. The gateway waits less long for a device, which may itself have to
 // wait until a component has stopped.
 const kLimits_s = { GET: 20, POST: 40, PUT: 40 };

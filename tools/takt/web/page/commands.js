@@ -94,7 +94,7 @@ export class Commands {
       let answer;
       for (const step of verb === "restart" ? stepsOfRestart(state) : [verb]) {
         const command = name === null ? { device, verb: step } : { device, module: name.slice(device.length + 1), verb: step };
-        answer = await post("/api/command", command);
+        answer = await post("api/command", command);
       }
       show([`${about}: ${verb} done`, answer.state ? `now ${answer.state}` : "", answer.text].filter(Boolean).join(", "), "good");
     } catch (problem) {

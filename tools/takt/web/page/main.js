@@ -100,7 +100,7 @@ function showLink() {
 
 async function askRights() {
   try {
-    store.setRights(await get("/api/rights"));
+    store.setRights(await get("api/rights"));
   } catch (problem) {
     store.setRights({ command: false, why: problem.text });
   }

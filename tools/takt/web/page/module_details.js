@@ -160,7 +160,7 @@ export class ModuleDetails {
   async #askHistory() {
     const name = this.#name;
     try {
-      const history = await get("/api/history", { module: name });
+      const history = await get("api/history", { module: name });
       if (name !== this.#name) return;
       const before = history.times_ms.findIndex((time) => time >= (this.#times[0] ?? Infinity));
       const kept = before < 0 ? history.times_ms.length : before;
@@ -194,7 +194,7 @@ export class ModuleDetails {
   async #askPorts(again = true) {
     const name = this.#name;
     try {
-      const { ports, components } = await get("/api/ports", { device: name.split(".")[0] });
+      const { ports, components } = await get("api/ports", { device: name.split(".")[0] });
       if (name !== this.#name) return;
       this.#ports = ports.filter((port) => port.name.startsWith(`${name}.`));
       this.#component = components[name] ?? null;

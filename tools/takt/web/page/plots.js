@@ -85,7 +85,7 @@ export class Plots {
     const key = `${devices.join(" ")} ${this.#store.cell?.deployment}`;
     if (key === this.#listed || devices.length === 0) return;
     this.#listed = key;
-    const answers = await Promise.allSettled(devices.map((device) => get("/api/ports", { device })));
+    const answers = await Promise.allSettled(devices.map((device) => get("api/ports", { device })));
     const groups = devices.map((device, i) => {
       const ports = answers[i].status === "fulfilled" ? answers[i].value.ports : [];
       return element("optgroup", { label: device }, ...ports.map(({ name, direction, type }) =>

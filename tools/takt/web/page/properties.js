@@ -54,7 +54,7 @@ class Property {
     const value = this.field.value;
     this.#say("setting ...", "plain");
     try {
-      const answer = await post("/api/property", { module: this.panel.module, property: this.property.name, value });
+      const answer = await post("api/property", { module: this.panel.module, property: this.property.name, value });
       this.shown = this.field.value = String(answer.value ?? value);
       this.#say(`is now ${this.shown}`, "good");
     } catch (problem) {
@@ -105,7 +105,7 @@ export class Properties {
   async ask(again = true) {
     const module = this.module;
     try {
-      const { properties } = await get("/api/properties", { module });
+      const { properties } = await get("api/properties", { module });
       if (module === this.module) this.#show(properties);
     } catch (problem) {
       if (module !== this.module) return;

@@ -42,7 +42,7 @@ export class SharedStream extends Stream {
   }
 
   #connect() {
-    const worker = new SharedWorker("/shared_worker.js", { type: "module" });
+    const worker = new SharedWorker("shared_worker.js", { type: "module" });
     worker.onerror = () => {
       this.close();
       this.fail();

@@ -43,7 +43,7 @@ export class Stream {
 
   open() {
     this.receive();
-    this.#source = new EventSource("/api/events");
+    this.#source = new EventSource("api/events");
     this.#source.onopen = () => this.report("live");
     this.#source.onerror = () => this.reconnect();
     this.#source.addEventListener("stream", (event) => { this.#id = JSON.parse(event.data).id; });
@@ -91,7 +91,7 @@ export class Stream {
     this.#next = null;
     if (!this.#id) return [];  // open() chooses the ports again
     try {
-      return (await put(`/api/streams/${this.#id}/ports`, { ports: this.ports })).problems ?? [];
+      return (await put(`api/streams/${this.#id}/ports`, { ports: this.ports })).problems ?? [];
     } catch (problem) {
       return [{ what: problem.what ?? problem.message, fix: problem.fix }];
     }

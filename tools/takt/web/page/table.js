@@ -66,7 +66,7 @@ export class Table {
     setText(this.status, "loading ...");
     this.again.disabled = true;
     try {
-      const table = await get("/api/table", { device });
+      const table = await get("api/table", { device });
       if (asked !== this.#asked) return;
       setText(this.status, "");
       this.#draw(table);
