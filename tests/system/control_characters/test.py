@@ -1,3 +1,4 @@
+import json
 import os
 import re
 import shutil
@@ -5,6 +6,7 @@ import signal
 import subprocess
 import sys
 import unittest
+import urllib.request
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
@@ -18,6 +20,15 @@ CONTROL = "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2
 FORGED = "\t|^FORGED"
 ANNOUNCE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "announce.py")
 SET_HOST_NAME = "import ctypes, os, sys; t = bytes.fromhex(sys.argv[1]); ctypes.CDLL(None).sethostname(t, len(t)); os.execvp(sys.argv[2], sys.argv[2:])"
+
+
+def texts_in(value):
+    """Returns all texts in a JSON value."""
+    if isinstance(value, dict):
+        return [text for pair in value.items() for part in pair for text in texts_in(part)]
+    if isinstance(value, list):
+        return [text for part in value for text in texts_in(part)]
+    return [value] if isinstance(value, str) else []
 
 
 class ControlCharacters(takt_system.Case):
@@ -90,6 +101,35 @@ class ControlCharacters(takt_system.Case):
         node = self.node("bench", before=before)
         self.deploy("cell.xml")
         self.both("status", status=0)
+        self.done("undeploy controlled")
+        self.end({"bench": node})
+
+    def test_the_page_and_the_metrics_contain_no_control_characters_of_components(self):
+        node = self.node("bench")
+        self.deploy("cell.xml")
+        web = self.start("web", "--port", "0")
+        web.wait_for_out(r"^domain \d+ is shown at http://\S+/$")
+        address = re.search(r"http://\S+/", web.out).group()
+        answered = {}
+        for what in ("metrics", "api/ports?device=bench", *("api/properties?module=bench." + m for m in ("cpp", "c", "program"))):
+            with urllib.request.urlopen(address + what, timeout=takt_system.LONG) as response:
+                answered[what] = response.read().decode()
+        with urllib.request.urlopen(address + "api/events", timeout=takt_system.LONG) as response:
+            seen = set()
+            while not {"state", "cell", "faults", "measures"} <= seen:
+                line = response.readline().decode()
+                if line.startswith("event: "):
+                    seen.add(line[7:].strip())
+                if line.startswith("data: "):
+                    answered["event %d" % len(answered)] = line[6:]
+        for what, text in answered.items():
+            self.assert_harmless(what, text.encode())
+            if what != "metrics":
+                for part in texts_in(json.loads(text)):
+                    self.assert_harmless(what, part.encode(), xml=True)
+        self.assertIn("title", answered["api/properties?module=bench.cpp"])
+        web.signal(signal.SIGINT)
+        self.assertEqual(0, web.wait().status)
         self.done("undeploy controlled")
         self.end({"bench": node})
 

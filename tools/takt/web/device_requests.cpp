@@ -151,6 +151,13 @@ Answer DeviceRequests::properties(const std::string& module) {
   if (found == modules.end())
     return answer_of(404, fail("there is no module " + module, "list the modules with takt status"));
   Json properties = found->at("properties");
+  // The page shows these texts as they are, so they must not change the direction of its text.
+  for (Json& property : properties) {
+    for (const char* const member : {"default", "range", "unit", "text"}) {
+      if (const std::string text = text_in(property, member); !text.empty())
+        property[member] = on_one_line(text);
+    }
+  }
   add_property_values(properties, sender_, name->first, name->second);
   return answer_of(Json{{"properties", std::move(properties)}});
 }
