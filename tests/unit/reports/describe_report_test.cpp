@@ -6,6 +6,8 @@
 
 #include <sstream>
 
+#include "reports/page.hpp"
+
 namespace takt::tool::describe_report_test {
 namespace {
 
@@ -121,6 +123,16 @@ TEST(DescribeReport, PrintsOneJsonObjectPerLine) {
   EXPECT_EQ(object["ports"][1]["direction"], "out");
   EXPECT_EQ(object["version"], "1.2.0");
   EXPECT_EQ(object["hash"], "3fa91c02");
+}
+
+TEST(Page, LetsNoTextBeginALine) {
+  Page page{{}};
+  page.line(0, "a\nb");
+  page.sentence(0, "a\nb");
+  page.words(0, "", {"a\nb"});
+  page.heading(0, "a\nb", "c");
+  page.table(0, {{"name"}, {"a\nb"}});
+  EXPECT_EQ(std::move(page).take(), "a\\nb\na\\nb\na\\nb\na\\nb: c\nname\na\\nb\n");
 }
 
 TEST(DescribeReport, EscapesControlCharactersOfAComponent) {

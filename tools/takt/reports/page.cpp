@@ -115,6 +115,8 @@ std::vector<std::size_t> Page::widths_of(const std::vector<Words>& rows) {
 }
 
 void Page::put(std::string line, std::string_view code) {
+  // A name in a file from elsewhere, such as a trace, must not begin a line of its own.
+  for (std::size_t at = 0; (at = line.find('\n', at)) != std::string::npos;) line.replace(at, 1, "\\n");
   while (!line.empty() && line.back() == ' ') line.pop_back();
   text_ += in_colour(code, line) + "\n";
 }
