@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <optional>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include <takt/os/clock.hpp>
 
 #include "web/samples_json.hpp"
+#include "web/value_history.hpp"
 
 namespace takt::tool::web {
 
@@ -29,28 +29,16 @@ struct WatchedPorts::Source {
     for (std::size_t i = 0; i < columns.all().size() && shown.size() < kMostFields; ++i) {
       if (columns.all()[i].drawable) shown.push_back(i);
     }
+    row.resize(shown.size());
   }
-
-  struct Point {
-    std::int64_t time_ns = 0;
-    std::vector<double> values;
-  };
 
   /// Adds a sample of the port. DDS calls this on its own thread.
   void add(const std::byte* bytes, std::size_t size, std::int64_t time_ns) {
     const std::lock_guard lock{mutex};
-    if (!points.empty()) {
-      const Nanoseconds since{time_ns - points.back().time_ns};
-      if (since >= Nanoseconds{0} && since < kApart) return;
-    }
     columns.values(bytes, size, values);
-    Point point{time_ns, {}};
-    point.values.reserve(shown.size());
-    for (const std::size_t i : shown)
-      point.values.push_back(values[i].number(!columns.all()[i].enumerators.empty()));
-    points.push_back(std::move(point));
-    ++added;
-    while (points.size() > kMostPoints) points.pop_front();
+    for (std::size_t i = 0; i < shown.size(); ++i)
+      row[i] = values[shown[i]].number(!columns.all()[shown[i]].enumerators.empty());
+    history.add(time_ns, row);
   }
 
   [[nodiscard]] Json description(const std::string& port) const {
@@ -64,32 +52,28 @@ struct WatchedPorts::Source {
     return {{"port", port}, {"type", flow.type.name}, {"fields", std::move(fields)}};
   }
 
-  /// Returns the next values, at most `most`, for a stream that already has `has` values, and adds their
-  /// number to `has`. Returns none if there are no new values.
-  std::optional<Json> news(const std::string& port, std::uint64_t& has, std::size_t most) {
+  /// Returns the next values, at most `most`, for a stream that already has the values until `has`, in ns, and
+  /// sets `has` to the time of the last one. Returns none if there are no new values.
+  std::optional<Json> news(const std::string& port, std::int64_t& has, std::size_t most) {
     const std::lock_guard lock{mutex};
-    const bool whole = has == 0;
-    if (has == added && !whole) return std::nullopt;
-    const auto missing = static_cast<std::size_t>(std::min<std::uint64_t>(added - has, points.size()));
-    const std::size_t taken = std::min(missing, most);
+    history.complete();
+    const bool whole = has == 0 || has > history.newest();  // the latter if the history has begun anew
+    const auto rows = history.after(whole ? 0 : has, most);
+    if (rows.empty()) return std::nullopt;
     Json times = Json::array();
     std::vector<Json> series(shown.size(), Json::array());
-    const std::size_t first = points.size() - missing;
-    for (std::size_t i = first; i < first + taken; ++i) {
-      times.push_back(static_cast<double>(points[i].time_ns) / 1e6);
-      for (std::size_t f = 0; f < shown.size(); ++f) {
-        const double value = points[i].values[f];
-        series[f].push_back(std::isfinite(value) ? Json(value) : Json());
+    for (const ValueHistory::Row* next : rows) {
+      times.push_back(static_cast<double>(next->time_ns) / 1e6);
+      for (std::size_t i = 0; i < shown.size(); ++i) {
+        const double value = next->values[i];
+        series[i].push_back(std::isnan(value) ? Json() : Json(value));
       }
     }
-    if (whole && added == 0) return std::nullopt;
-    has = added - (missing - taken);
+    has = rows.back()->time_ns;
     return Json{
         {"port", port}, {"whole", whole}, {"times_ms", std::move(times)}, {"values", std::move(series)}};
   }
 
-  static constexpr std::size_t kMostPoints =
-      static_cast<std::size_t>(std::chrono::milliseconds{kKept} / kApart);
 
   const dds::Flow flow;
   const recording::Columns columns;
@@ -98,9 +82,9 @@ struct WatchedPorts::Source {
   Instant used{};
 
   std::mutex mutex;
-  std::deque<Point> points;
-  std::uint64_t added = 0;
-  std::vector<recording::Value> values;
+  ValueHistory history;
+  std::vector<recording::Value> values;  // of the last sample, kept to allocate no memory
+  std::vector<double> row;
 
   std::unique_ptr<dds::Tap> tap;  // the last member, so it is destroyed first and adds no more values
 };
@@ -134,7 +118,7 @@ Result<std::shared_ptr<WatchedPorts::Source>> WatchedPorts::source(const std::st
 
 Problems WatchedPorts::want(const std::shared_ptr<Stream>& stream, const std::vector<std::string>& ports) {
   Problems problems;
-  std::map<std::string, std::uint64_t> view;
+  std::map<std::string, std::int64_t> view;
   for (const std::string& port : ports) {
     if (auto found = source(port); found) {
       view[port] = 0;

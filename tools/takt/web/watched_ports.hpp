@@ -1,4 +1,4 @@
-// Collects the values of the last few minutes of each port that a web page plots.
+// Collects the values of the last hours of each port that a web page plots.
 #pragma once
 
 #include <chrono>
@@ -21,11 +21,8 @@ namespace takt::tool::web {
 /// again. Any thread may call the functions.
 class WatchedPorts {
  public:
-  static constexpr std::size_t kMost = 32;         ///< limit of the ports of one stream
-  static constexpr std::size_t kMostFields = 32;   ///< limit of the plotted fields of one port
-  static constexpr std::chrono::minutes kKept{5};  ///< how long a value is kept
-  static constexpr std::chrono::milliseconds kApart{
-      20};  ///< minimum time between two kept samples; samples in between are dropped
+  static constexpr std::size_t kMost = 32;        ///< limit of the ports of one stream
+  static constexpr std::size_t kMostFields = 32;  ///< limit of the plotted fields of one port
   static constexpr std::chrono::seconds kUnused{60};
 
   WatchedPorts(client::Connection& client, Streams& streams);
@@ -50,8 +47,8 @@ class WatchedPorts {
   Streams& streams_;
   std::mutex mutex_;
   Sources sources_;
-  /// For each stream id and port: the number of values of the port that the stream has received.
-  std::map<std::string, std::map<std::string, std::uint64_t>> views_;
+  /// For each stream id and port: the time of the last value of the port that the stream has received, in ns.
+  std::map<std::string, std::map<std::string, std::int64_t>> views_;
 };
 
 }  // namespace takt::tool::web
