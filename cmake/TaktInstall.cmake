@@ -58,6 +58,8 @@ install(TARGETS ${modules} RUNTIME DESTINATION ${private}/components COMPONENT r
 install(FILES ${TAKT_COMPONENT_DIR}/build/controller1.so DESTINATION ${private}/components/build COMPONENT runtime)
 install(TARGETS takt_component takt_process LIBRARY COMPONENT runtime NAMELINK_COMPONENT dev)
 install(FILES config/takt.xsd config/grafana-takt.json DESTINATION ${share} COMPONENT runtime)
+# The licence of dygraphs, which takt web contains.
+install(FILES /usr/share/doc/libjs-dygraphs/copyright DESTINATION ${share} RENAME dygraphs-copyright COMPONENT runtime)
 install(DIRECTORY deploy DESTINATION ${share} COMPONENT runtime)
 
 install(DIRECTORY ${TAKT_PAGES}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT runtime)

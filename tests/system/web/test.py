@@ -14,6 +14,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import takt_system
 from takt_system import wait_until
 
+from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 
 from browser import Browser
@@ -21,6 +22,19 @@ from browser import Browser
 TOKEN = "a-token-that-only-this-test-knows"
 MODULES = ("robot.source", "robot.tuned", "robot.program", "line.sink", "line.fails")
 VIEWS = ("cell", "modules", "connections", "faults", "table", "plots")
+VALUE = ".legend-table td[data-label=value]"
+
+# This script counts the pixels of the first plot that have a colour of page.css.
+PIXELS = """
+const canvas = document.querySelector(".plot canvas");
+const wanted = getComputedStyle(document.documentElement).getPropertyValue("--" + arguments[0]).match(/[0-9a-f]{2}/g);
+const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+let found = 0;
+for (let i = 0; i < pixels.length; i += 4) {
+  if (pixels[i + 3] > 100 && wanted.every((of, j) => Math.abs(pixels[i + j] - parseInt(of, 16)) < 40)) ++found;
+}
+return found;
+"""
 
 
 def listens(port):
@@ -307,7 +321,7 @@ class Web(takt_system.Case):
             with urllib.request.urlopen(self.address + "api/events", timeout=takt_system.LONG) as events:
                 self.assertEqual("no", events.headers["X-Accel-Buffering"])
             page.go("#/plots?port=robot.source.out")
-            page.wait_for(".time-plot b", r"^\d+$")
+            page.wait_for(VALUE, r"^\d+$")
             self.assertEqual(200, page.wait_script("fetch('metrics').then((answer) => done(answer.status))"))
             self.assertEqual([], page.errors())
             page.close()
@@ -364,7 +378,7 @@ class Web(takt_system.Case):
         tabs += [page.open_tab(self.address + "#/plots?port=robot.%s.out" % module, "window") for module in ("other", "source")]
 
         def number():
-            return int(page.wait_for(".time-plot b", r"^\d+$"))
+            return int(page.wait_for(VALUE, r"^\d+$"))
 
         def plots():
             last = number()
@@ -490,24 +504,16 @@ class Web(takt_system.Case):
         page = self.look("#/plots")
         page.wait_for(".tools [role=status]", "^Choose a port")
         page.go("#/plots?port=robot.source.out")
-        number = int(page.wait_for(".time-plot b", r"^\d+$"))
-        wait_until(lambda: int(page.text(".time-plot b")) > number + 300, "values of the next three seconds")
-        self.assertGreater(page.script("""
-            const canvas = document.querySelector("canvas.plot");
-            const wanted = getComputedStyle(document.documentElement).getPropertyValue("--accent").match(/[0-9a-f]{2}/g);
-            const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
-            let found = 0;
-            for (let i = 0; i < pixels.length; i += 4) {
-              if (pixels[i + 3] > 100 && wanted.every((of, j) => Math.abs(pixels[i + j] - parseInt(of, 16)) < 40)) ++found;
-            }
-            return found"""), 20)
+        number = int(page.wait_for(VALUE, r"^\d+$"))
+        wait_until(lambda: int(page.text(VALUE)) > number + 300, "values of the next three seconds")
+        wait_until(lambda: page.script(PIXELS, "series-1") > 20, "the curve")
         page.go("#/table?device=robot")
         page.wait_for(".executor summary", "Where the time went")
         wait_until(lambda: {"source", "tuned", "program (program)"} <= set(page.texts(".executor details tbody th")), "all modules")
         page.go("#/modules?select=robot.source")
         page.wait_for(".ports li", r"line\.sink\.in.*(ok|\d+ late)")
         page.wait_for("#details .bar .words", r"p99 run time .* us of 5 ms budget")
-        self.finish(web)
+        self.finish(web, apart=("willReadFrequently",))
 
     @takt_system.quiet("the browser competes with other tests for the CPUs")
     def test_an_open_web_page_shows_a_new_deployment_without_a_reload(self):
@@ -523,7 +529,7 @@ class Web(takt_system.Case):
         page.go("#/plots?port=robot.source.out")
         page.wait_for(".tools [role=status]", r"^(?!waiting)\w")
         self.deploy("cell.xml")
-        page.wait_for(".time-plot b", r"^\d+$")
+        page.wait_for(VALUE, r"^\d+$")
         wait_until(lambda: page.script("return document.querySelectorAll('optgroup[label=robot] option').length"), "the list of ports")
 
         # A new module replaces the old one of the same name. The page must show the new one.
@@ -685,8 +691,11 @@ class Web(takt_system.Case):
                 with self.subTest(theme=theme, view=view):
                     self.assertEqual([], page.script(CONTRAST))
             self.assertEqual([True], page.script("""
-                const accent = getComputedStyle(document.querySelector("#details a, .list a")).color;
-                return [...new Set([...document.querySelectorAll(".dash line")].map((one) => getComputedStyle(one).stroke === accent))]"""),
+                const probe = document.body.appendChild(document.createElement("i"));
+                return [...new Set([...document.querySelectorAll(".dash line")].map((one) => {
+                  probe.style.color = `var(--${one.getAttribute("class")})`;
+                  return getComputedStyle(probe).color === getComputedStyle(one).stroke;
+                }))]"""),
                              "the lines of a legend must have the colour of the curves")
         self.finish(web)
 
@@ -734,28 +743,182 @@ class Web(takt_system.Case):
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait().status, web.err)
 
+    def test_a_plot_shows_several_ports_and_its_address_restores_it(self):
+        module = ("<module><name>source</name><filename>port_source.so</filename><moduletype>thread</moduletype>"
+                  "<operationtype>periodic</operationtype><period>10ms</period><priority>1</priority></module>")
+        file = self.write("cell.xml", '<cell name="cell"><device name="robot">%s</device><device name="line">%s</device></cell>' % (module, module))
+        web = self.serve()
+        self.cell(file)
+        page = self.look("#/plots")
+        for port in ("robot.source.out", "line.source.out"):
+            wait_until(lambda: page.script("return [...document.querySelectorAll('.tools option')].some((one) => one.value === arguments[0])", port), port)
+            page.script("const add = document.querySelector('.tools select'); add.value = arguments[0];"
+                        "add.dispatchEvent(new Event('change'))", port)
+            page.wait_for(".legend-table th", "^%s.number$" % re.escape(port))
+        series = ["%s.%s" % (port, field) for port in ("robot.source.out", "line.source.out") for field in ("number", "same[0]", "same[1]", "same[2]")]
+        self.assertEqual(series, page.texts(".legend-table tbody th"))
+        self.assertEqual(1, len(page.texts(".plot")))
+        for one in series[1:4] + series[5:7]:
+            page.click("label[data-name='%s'] input" % one)
+        shown = ["robot.source.out.number", "line.source.out.number", "line.source.out.same[2]"]
+        self.assertEqual(shown, page.texts(".legend-table tbody th"))
+        wait_until(lambda: len([text for text in page.texts(VALUE) if text.isdigit()]) == 3, "values of both ports")
+        for colour in ("series-1", "series-2"):
+            wait_until(lambda: page.script(PIXELS, colour) > 5, "a curve in the colour " + colour)
+        page.script("const range = document.querySelector('select[aria-label=range]'); range.value = 60; range.dispatchEvent(new Event('change'))")
+        page.click(".tools button[aria-pressed=false] + button")
+        wait_until(lambda: len(page.texts(".plot")) == 3, "one plot for each series")
+
+        address = page.script("return location.href")
+        page.open("about:blank")
+        page.open(address)
+        page.wait_for(VALUE, r"^\d+$")
+        wait_until(lambda: page.texts(".legend-table tbody th") == shown, "the same series")
+        self.assertEqual(3, len(page.texts(".plot")))
+        self.assertEqual("60", page.script("return document.querySelector('select[aria-label=range]').value"))
+        page.click("button[aria-label='remove line.source.out']")
+        wait_until(lambda: page.texts(".legend-table tbody th") == shown[:1], "the remaining series")
+        page.go("#/plots?series=robot.source.out.nothing")
+        page.wait_for(".tools [role=status]", "^robot.source.out.nothing: the port has no such field$")
+        self.finish(web, apart=("willReadFrequently",))
+
+    def test_a_plot_can_be_zoomed_paused_measured_and_exported(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("#/plots?series=robot.source.out.number")
+        page.driver.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": self.folder})
+        page.wait_for(VALUE, r"^[1-9]\d{2,}$")
+
+        def range_s():
+            return page.script("return Number(new URLSearchParams(location.hash.split('?')[1]).get('range') ?? 300)")
+
+        def paused():
+            return page.attribute(".tools button", "aria-pressed") == "true"
+        plot = page.driver.find_element("css selector", ".plot")
+        width = plot.size["width"]
+        mouse = ActionChains(page.driver)
+        mouse.move_to_element(plot).move_by_offset(width // 4, 0).click_and_hold().move_by_offset(width // 8, 3).release().perform()
+        wait_until(lambda: 300 / 10 < range_s() < 300 / 6, "the range to be an eighth of 5 min, and not %s s" % range_s())
+        self.assertTrue(paused(), "the newest values are outside of the range")
+        ActionChains(page.driver).move_to_element(plot).double_click().perform()
+        wait_until(lambda: range_s() == 300 and not paused(), "the whole range")
+
+        # The keys do all of it, too.
+        ActionChains(page.driver).move_to_element(page.driver.find_element("css selector", "#summary")).perform()
+        page.script("document.querySelector('.plot').focus()")
+        page.press("+", "+")
+        wait_until(lambda: range_s() == 75, "a quarter of the range")
+        page.press("-")
+        wait_until(lambda: range_s() == 150, "half of the range")
+        page.press(Keys.HOME)
+        wait_until(lambda: range_s() == 300, "the whole range")
+        page.press(Keys.SPACE)
+        wait_until(paused, "the plot to stand still")
+        newest = page.text(".at")
+        wait_until(lambda: page.wait_script("import('/words.js').then(({clock}) => done(clock(Date.now())))") > newest[-8:], "the next second")
+        self.assertEqual(newest, page.text(".at"), "a paused plot does not move")
+
+        def measured():
+            """Returns the value, the value at the mark, and their difference."""
+            cells = page.texts(".legend-table tbody td")
+            return [None if cell == "-" else int(cell.replace("\u2212", "-")) for cell in (cells[0], *cells[3:])]
+        page.press(Keys.ENTER)
+        page.wait_for("td[data-label='at mark']", r"^\d+$")
+        page.wait_for("td[data-label=difference]", "^0$")
+        page.press(Keys.ARROW_LEFT)
+        page.wait_for(".at", r"^at [\d:.]+; mark at [\d:.]+; .3(\.00)? s between them$")
+        value, mark, difference = measured()
+        self.assertEqual(difference, None if value is None else value - mark)  # a slow machine may have no values of 3 s yet
+
+        page.click(".tools button[title*=table]")
+        file = wait_until(lambda: next((name for name in os.listdir(self.folder) if re.fullmatch(r"takt-\d{6}\.csv", name)), None), "the table")
+        lines = self.read(file).splitlines()
+        self.assertEqual("time_ns,seconds,robot.source.out.number", lines[0])
+        cells = [line.split(",") for line in lines[1:]]
+        self.assertGreaterEqual(len(cells), 100)
+        times, numbers = [int(line[0]) for line in cells], [int(line[2]) for line in cells]
+        self.assertEqual((sorted(times), sorted(numbers)), (times, numbers))
+        wait_until(lambda: numbers[-1] <= measured()[1] <= numbers[-1] + 20, "the mark to be at the newest value")
+        self.assertAlmostEqual((times[-1] - times[0]) / 1e9, float(cells[-1][1]), places=4)
+        page.click(".tools button[title*=picture]")
+        file = wait_until(lambda: next((name for name in os.listdir(self.folder) if re.fullmatch(r"takt-\d{6}\.png", name)), None), "the picture")
+        with open(os.path.join(self.folder, file), "rb") as picture:
+            head = picture.read(24)
+        self.assertEqual((b"\x89PNG", width), (head[:4], int.from_bytes(head[16:20], "big")))
+        page.press_until(Keys.TAB, lambda name: name == "CSV")
+        self.finish(web)
+
+    def test_a_plot_shows_a_peak_of_one_sample_in_its_longest_range(self):
+        web = self.serve()
+        page = self.look()
+        found = page.wait_script("""
+            Promise.all([import("/plots.js"), import("/value_rows.js")]).then(async ([{Plots}, {ValueRows}]) => {
+              const hour = 3600000, begin = Date.UTC(2024, 0, 1);
+              const store = {deviceNames: [], now: begin + 6 * hour, stream: null};
+              history.replaceState(null, "", "#/plots?series=a.b.c.x,a.b.c.y&range=14400");
+              const view = new Plots(store);
+              document.querySelector("#view").replaceChildren(view.element);
+              view.show(new URLSearchParams(location.hash.split("?")[1]));
+              view.takePort({port: "a.b.c", type: "T", fields: [{name: "x"}, {name: "y"}]});
+              // 6 h at 20 Hz. x has a peak of one sample each minute; y has one in all, 3 h ago.
+              for (let from = 0; from < 6 * hour; from += 10000) {
+                const times_ms = Array.from({length: 200}, (_, i) => begin + from + i * 50);
+                const at = (time, i) => (time - begin) % 60000 === 30050 ? 5 + (time - begin - 30050) / 60000 : Math.sin(i);
+                const once = (time) => time === begin + 3 * hour + 50 ? -7 : 1;
+                view.takePoints({port: "a.b.c", whole: from === 0, times_ms, values: [times_ms.map(at), times_ms.map(once)]});
+              }
+              view.redraw();
+              const cells = () => [...document.querySelectorAll(".legend-table td")].map((cell) => cell.textContent);
+              while (!cells()[6]?.endsWith("7")) await new Promise(requestAnimationFrame);
+              // Find the peak in the drawing: a pixel in the colour of y in the lower half of the plot.
+              const canvas = document.querySelector(".plot canvas");
+              const wanted = getComputedStyle(document.documentElement).getPropertyValue("--series-2").match(/[0-9a-f]{2}/g);
+              const {data} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+              const places = [];
+              for (let i = 0; i < data.length; i += 4) {
+                if (data[i + 3] > 60 && wanted.every((of, j) => Math.abs(data[i + j] - parseInt(of, 16)) < 60)) places.push([i / 4 % canvas.width, Math.floor(i / 4 / canvas.width)]);
+              }
+              const lowest = Math.max(...places.map(([, down]) => down));
+              const rows = new ValueRows();
+              for (let i = 0; i < 500000; ++i) rows.add([begin + i * 100], [[i % 6000 === 17 ? 100 + i / 6000 : Math.sin(i)]]);
+              const kept = rows.between(0, Infinity);
+              const peaks = kept.filter(([, value]) => value > 50).length;
+              const shown = [cells()[2], cells()[6]];
+              view.hide();
+              done([...shown, peaks, (places.find(([, down]) => down === lowest)[0] - 75) / (canvas.width - 83), kept.length]);
+            }).catch((error) => done(String(error)));""")
+        self.assertEqual(["364", "\u22127", 24], found[:3])
+        self.assertAlmostEqual(0.25, found[3], delta=0.02, msg="the place of the peak in the drawing")
+        self.assertLess(found[4], 60000, "memory must be bounded")
+        web.signal(signal.SIGTERM)
+        self.assertEqual(0, web.wait().status, web.err)
+
     def test_the_web_page_can_plot_any_values_at_any_width(self):
         web = self.serve()
         page = self.look()
         found = page.wait_script("""
-            Promise.all([import("/time_plot.js"), import("/gantt.js")]).then(async ([{TimePlot}, {Gantt}]) => {
+            Promise.all([import("/plot.js"), import("/value_rows.js"), import("/gantt.js")]).then(async ([{Plot}, {ValueRows}, {Gantt}]) => {
               const frame = () => new Promise(requestAnimationFrame);
-              const values = [[0.3, 0.30000000000000004], [-1e300, 1e300], [0, 5e-324], [7, 7], [0, null], [-1e9, -1e9 - 1e-7]];
+              const values = [[0.3, 0.30000000000000004], [-1e300, 1e300], [0, 5e-324], [7, 7], [0, null], [null, null], [-1e9, -1e9 - 1e-7], []];
               for (const of of values) {
-                const plot = new TimePlot({title: "plot", lines: ["value"], span_ms: 60000});
+                const rows = new ValueRows();
+                rows.add(of.map((_, i) => 1000 + 1000 * i), [of]);
+                const plot = new Plot({title: "plot", pointed: () => {}, series: [{name: "value", index: 0, rows, column: 1}]});
                 document.body.append(plot.element);
-                plot.show([1000, 2000], [of], 2000);
+                plot.show(0, 2000);
                 await frame();
                 await frame();
               }
+              const labels = [...document.querySelectorAll(".dygraph-axis-label")].map((label) => label.textContent);
               const gantt = new Gantt({name: "main", macro_period_ns: 1e7, basic_period_ns: 1e6, rows: []}, [], ["module"]);
               gantt.canvas.element.style.width = "40px";
               document.body.append(gantt.element);
               await frame();
               await frame();
-              done([document.querySelectorAll("canvas.plot").length, gantt.canvas.element.clientWidth < gantt.left]);
+              done([document.querySelectorAll(".plot canvas").length, gantt.canvas.element.clientWidth < gantt.left,
+                    labels.filter((label) => /NaN|Infinity|undefined/.test(label))]);
             }).catch((error) => done(String(error)));""")
-        self.assertEqual([6, True], found)
+        self.assertEqual([16, True, []], found)
         self.assertEqual([], page.errors())
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait().status, web.err)

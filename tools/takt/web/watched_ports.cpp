@@ -52,8 +52,8 @@ struct WatchedPorts::Source {
     return {{"port", port}, {"type", flow.type.name}, {"fields", std::move(fields)}};
   }
 
-  /// Returns the next values, at most `most`, for a stream that already has the values until `has`, in ns, and
-  /// sets `has` to the time of the last one. Returns none if there are no new values.
+  /// Returns the next values, at most `most`, for a stream that already has the values until `has`, in ns,
+  /// and sets `has` to the time of the last one. Returns none if there are no new values.
   std::optional<Json> news(const std::string& port, std::int64_t& has, std::size_t most) {
     const std::lock_guard lock{mutex};
     history.complete();
@@ -73,7 +73,6 @@ struct WatchedPorts::Source {
     return Json{
         {"port", port}, {"whole", whole}, {"times_ms", std::move(times)}, {"values", std::move(series)}};
   }
-
 
   const dds::Flow flow;
   const recording::Columns columns;

@@ -7,19 +7,20 @@ import { LastFaults } from "./last_faults.js";
 import { lookOfConnection, lookOfModule, useOf } from "./looks.js";
 import { Commands } from "./commands.js";
 import { Properties } from "./properties.js";
+import { Plot, sampleOf } from "./plot.js";
 import { addressOf } from "./route.js";
-import { TimePlot } from "./time_plot.js";
-import { count, exact, instant, number } from "./words.js";
+import { ValueRows } from "./value_rows.js";
+import { clock, count, exact, instant, number } from "./words.js";
 
 const kSpan_ms = 600000;
 const kAgain_ms = 2000;
 const kLines = ["p50", "p99"];
+const kMeasures = ["jitter", "run"];
 
 export class ModuleDetails {
   #store;
   #name = null;
-  #times = [];
-  #history = { jitter: [[], []], run: [[], []] };
+  #rows = new ValueRows();  // p50 and p99 of the jitter and of the run time
   #ports = null;  // null: not known yet
   #component = null;  // its file, version and hash; null: not known yet
 
@@ -34,8 +35,7 @@ export class ModuleDetails {
     this.distributions = new Distributions();
     this.commands = new Commands(store);
     this.properties = new Properties(store);
-    this.jitter = new TimePlot({ title: "jitter", unit: "us", lines: kLines, span_ms: kSpan_ms });
-    this.run = new TimePlot({ title: "run time", unit: "us", lines: kLines, span_ms: kSpan_ms });
+    this.trends = kMeasures.map((measure, i) => this.#trend(measure === "run" ? "run time" : measure, i));
     this.faults = new LastFaults(store);
     this.table = element("a", { text: "runs of the module in the last macro period" });
     this.ports = element("ul", { class: "ports" });
@@ -43,14 +43,14 @@ export class ModuleDetails {
     const part = (title, ...children) => element("section", {}, element("h3", { text: title }), ...children);
     this.element = element("div", { class: "module-details" }, this.mark.element, this.why, this.commands.element, this.faults.element,
       part("Measured", this.use.element, this.distributions.element, this.counts.element, element("p", {}, this.table)),
-      part("Jitter and run time in the last ten minutes", this.jitter.element, this.run.element),
+      part("Jitter and run time in the last ten minutes", ...this.trends.map(({ figure }) => figure)),
       part("Ports", this.ports), this.properties.element, part("State changes", this.steps), part("Descriptor", this.facts.element),
       part("Component", this.component.element));
   }
 
   show(name) {
     this.#name = name;
-    [this.#times, this.#history] = [[], { jitter: [[], []], run: [[], []] }];
+    this.#take(new ValueRows());
     const [device] = name.split(".");
     this.commands.hold(device, name);
     this.table.href = addressOf("table", { device, select: name });
@@ -86,8 +86,32 @@ export class ModuleDetails {
   }
 
   redraw() {
-    this.jitter.redraw();
-    this.run.redraw();
+    for (const { plot } of this.trends) plot.redraw();
+  }
+
+  /// A plot of a measure, with the newest values in its legend, or those under the pointer.
+  #trend(title, i) {
+    const plot = new Plot({ title: `${title} in us`, pointed: (time) => this.#point(time),
+      series: kLines.map((name, index) => ({ name, index, rows: this.#rows, column: 1 + i * kLines.length + index })) });
+    const values = kLines.map(() => element("b"));
+    const at = element("span", { class: "faint" });
+    const figure = element("figure", {}, element("figcaption", {}, element("span", { class: "faint", text: title }),
+      ...kLines.map((name, index) => element("span", {}, sampleOf(index), `${name} `, values[index])), at), plot.element);
+    return { plot, values, at, figure };
+  }
+
+  #take(rows) {
+    this.#rows = rows;
+    for (const { plot } of this.trends) for (const series of plot.series) series.rows = rows;
+  }
+
+  #point(time) {
+    for (const { plot, values, at } of this.trends) {
+      const row = time === null ? this.#rows.last : this.#rows.at(time);
+      plot.point(time, null);
+      values.forEach((node, i) => setText(node, row ? `${number(row[plot.series[i].column])} us` : "-"));
+      setText(at, time === null || !row ? "" : `at ${clock(row[0])}`);
+    }
   }
 
   get #module() {
@@ -153,8 +177,8 @@ export class ModuleDetails {
     this.counts.show(["cycles", "missed", "overruns", "over_budget", "errors", "recoveries"]
       .map((what) => [what.replace("_", " "), count(measures?.[what])]));
     this.#showPortHealth();
-    this.jitter.show(this.#times, this.#history.jitter, this.#store.now);
-    this.run.show(this.#times, this.#history.run, this.#store.now);
+    for (const { plot } of this.trends) plot.show(this.#store.now - kSpan_ms, this.#store.now);
+    this.#point(this.trends[0].plot.cursor ?? null);
   }
 
   async #askHistory() {
@@ -162,14 +186,11 @@ export class ModuleDetails {
     try {
       const history = await get("api/history", { module: name });
       if (name !== this.#name) return;
-      const before = history.times_ms.findIndex((time) => time >= (this.#times[0] ?? Infinity));
-      const kept = before < 0 ? history.times_ms.length : before;
-      const joined = (old, now) => [...old.slice(0, kept), ...now];
-      this.#times = joined(history.times_ms, this.#times);
-      this.#history = {
-        jitter: kLines.map((line, i) => joined(history[`jitter_${line}_us`], this.#history.jitter[i])),
-        run: kLines.map((line, i) => joined(history[`run_${line}_us`], this.#history.run[i])),
-      };
+      const rows = new ValueRows();
+      const older = history.times_ms.filter((time) => time < this.#rows.oldest);
+      rows.add(older, kMeasures.flatMap((measure) => kLines.map((line) => history[`${measure}_${line}_us`])));
+      rows.append(this.#rows);
+      this.#take(rows);
       this.#showMeasures();
     } catch { /* the gateway has no history yet, so the plots begin now */ }
   }
@@ -178,15 +199,8 @@ export class ModuleDetails {
     const module = this.#module;
     const measures = module?.measures;
     // Add no point for a lost module, because its last measurements are out of date.
-    if (!measures || !module.state || this.#store.isLost(module) || this.#store.time_ms <= (this.#times.at(-1) ?? 0)) return;
-    this.#times.push(this.#store.time_ms);
-    kLines.forEach((line, i) => {
-      this.#history.jitter[i].push(measures.jitter_us[line]);
-      this.#history.run[i].push(measures.run_us[line]);
-    });
-    while (this.#times[0] < this.#store.time_ms - kSpan_ms - 5000) {
-      for (const values of [this.#times, ...this.#history.jitter, ...this.#history.run]) values.shift();
-    }
+    if (!measures || !module.state || this.#store.isLost(module) || this.#store.time_ms <= this.#rows.newest) return;
+    this.#rows.add([this.#store.time_ms], kMeasures.flatMap((measure) => kLines.map((line) => [measures[`${measure}_us`][line]])));
   }
 
   /// Asks the device for the ports of the module. If that fails, asks once more, because a device may not answer yet when it has just

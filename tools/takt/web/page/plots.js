@@ -1,83 +1,119 @@
-// The view that plots the values of a port over the last five minutes, one plot for each selected field.
+// The view that plots the values of ports. The page's address keeps which series, which range, and whether the plots stand still.
 
 import { get } from "./api.js";
-import { element, setText } from "./dom.js";
-import { adjust, alter, currentRoute } from "./route.js";
-import { TimePlot } from "./time_plot.js";
+import { element, setAttribute, setText } from "./dom.js";
+import { Plot, sampleOf } from "./plot.js";
+import { csvOf, download, pictureOf } from "./plot_export.js";
+import { adjust } from "./route.js";
+import { ValueRows } from "./value_rows.js";
+import { clock, digits, duration, listed } from "./words.js";
 
-const kSpan_ms = 300000;
-const kFields = 4;  // number of fields that are shown at first
+const kSpans_s = [1, 10, 60, 300, 900, 3600, 14400];
+const kSpan_s = 300;
+const kFields = 4;  // number of fields of a port that are shown at first
+const kPorts = 8;   // limit of the ports of a page
+const kLongest_ms = 4 * 3600000, kShortest_ms = 100;
 const kAgain_ms = 3000;
+const kTick_ms = 100;
+const kRedraw_ms = 5000;  // curves are drawn at least this often, even if they have not yet moved by a pixel
+const kValues = ["value", "minimum", "maximum", "at mark", "difference"];
+const kHint = "Drag to zoom, Shift+drag or a finger to pan, Ctrl+wheel or two fingers to zoom, click to mark, double-click to follow. "
+  + "Keys on a plot: \u2190 \u2192 cursor, Enter mark, Shift+\u2190 \u2192 pan, + \u2212 zoom, Space pause, Home follow.";
+
+/// The port of a series, as device.module.port.field.
+const portOf = (series) => series.split(".", 3).join(".");
 
 export class Plots {
   #store;
-  #port = null;
-  #fields = [];
-  #times = [];
-  #values = [];
-  #plots = new Map();  // the plot of each shown field, by its name
-  #asked = false;
+  #ports = new Map();   // the values of each requested port: {rows, fields, type}
+  #chosen = [];         // names of the series
+  #series = [];         // those that are known
+  #plots = [];
+  #span_ms = kSpan_s * 1000;
+  #range_ms = this.#span_ms;  // the span before the user zoomed
+  #end = null;          // the time at the right edge; null: now
+  #cursor = null;
+  #mark = null;
+  #stacked = false;
+  #new = null;          // a port whose first fields are to be shown as soon as they are known
   #listed = "";
 
   constructor(store) {
     this.#store = store;
-    this.port = element("select", { "aria-label": "port", on: { change: () => alter({ port: this.port.value, fields: null }) } });
+    this.port = element("select", { on: { change: () => this.#add(this.port.value) } });
     this.status = element("p", { class: "faint", role: "status" });
-    this.choice = element("fieldset", { class: "fields" }, element("legend", { text: "fields" }));
-    this.list = element("div", { class: "plots" });
-    this.span = element("select", { "aria-label": "time span", on: { change: () => this.#span() } },
-      ...[["5", "5 minutes"], ["1", "1 minute"]].map(([value, text]) => element("option", { value, text })));
+    this.span = element("select", { "aria-label": "range", on: { change: () => this.#move(Number(this.span.value) * 1000, this.#end, true) } },
+      ...kSpans_s.map((s) => element("option", { value: s, text: spanText(s * 1000) })), element("option", { value: "", hidden: true }));
+    const button = (text, click, attributes = {}) => element("button", { type: "button", text, ...attributes, on: { click } });
+    this.pause = button("pause", () => this.#move(this.#span_ms, this.#end === null ? this.#now : null));
+    this.stack = button("stacked", () => this.#change(() => { this.#stacked = !this.#stacked; }));
+    this.exports = [button("CSV", () => this.#export("csv"), { title: "save the values in this range as a table" }),
+      button("PNG", () => this.#export("png"), { title: "save the plots as a picture" })];
+    this.list = element("div", { class: "plots", on: { keydown: (event) => this.#press(event) } });
+    this.at = element("p", { class: "at" });
+    this.body = element("tbody");
+    this.legend = element("table", { class: "legend-table" }, element("thead", {}, element("tr", {},
+      ...["series", ...kValues].map((text) => element("th", { scope: "col", text })))), this.body);
+    this.hint = element("p", { class: "faint small", text: kHint });
+    this.choice = element("div", { class: "choice" });
     this.element = element("div", { class: "scrolled" },
-      element("div", { class: "tools" }, element("label", {}, "port ", this.port), this.span, this.status), this.choice, this.list);
+      element("div", { class: "tools" }, element("label", {}, "add ", this.port), this.span, this.pause, this.stack, ...this.exports, this.status),
+      this.list, this.at, this.legend, this.hint, this.choice);
+    new ResizeObserver(() => this.#soon()).observe(this.list);
   }
 
   show(parameters) {
     this.#askPorts();
-    this.span.value = parameters.get("minutes") === "1" ? "1" : "5";
-    const port = parameters.get("port");
-    if (port && port === this.#port) {
-      this.#build();
-      return;
-    }
-    this.hide();
-    this.#port = port;
-    this.#fields = [];
-    this.#build();
-    this.#showPort();
-    if (!port) {
-      setText(this.status, "Choose a port. The page then plots its values.");
-      return;
-    }
-    setText(this.status, "waiting for values ...");
-    this.#ask();
-    this.timer = setInterval(() => this.#draw(), 250);  // moves the time axis even if no values arrive
+    const names = (parameters.get("series") ?? "").split(",").filter((name) => name.split(".").length > 3);
+    const ports = [...new Set(names.map(portOf))].slice(0, kPorts);
+    this.#chosen = names.filter((name) => ports.includes(portOf(name)));
+    this.#new = parameters.get("port");
+    if (this.#new && ports.length < kPorts) ports.push(this.#new);
+    const span_ms = Number(parameters.get("range")) * 1000;
+    this.#range_ms = this.#span_ms = span_ms >= kShortest_ms && span_ms <= kLongest_ms ? span_ms : kSpan_s * 1000;
+    this.#end = Number(parameters.get("end")) || null;
+    this.#stacked = parameters.get("stacked") === "1";
+    [this.#cursor, this.#mark] = [null, null];
+    this.#follow(new Set(ports));
+    clearInterval(this.timer);
+    this.timer = setInterval(() => this.#tick(), kTick_ms);  // moves the time axis even if no values arrive
   }
 
   hide() {
     clearInterval(this.timer);
-    clearTimeout(this.again);
-    if (this.#port) this.#select([]);
-    this.#port = null;
-    [this.#times, this.#values] = [[], this.#fields.map(() => [])];  // an animation frame that was requested earlier may still draw these arrays
+    this.#follow(new Set());
   }
 
   update(changes) {
     // If the last request for the ports failed, ask again after each change of a device, because it may answer now.
     if (changes.cell || changes.whole || (changes.devices.size > 0 && this.#listed === "")) this.#askPorts();
-    if (changes.cell && this.#port) this.#ask();  // a new cell: the gateway has dropped the chosen port
+    if (changes.cell && this.#ports.size > 0) this.#ask();  // a new cell: the gateway has dropped the chosen ports
   }
 
   /// Handles the stream's event `port`, the description of a port. takePoints() handles the event `points`, its values.
-  takePort(type) {
-    if (type.port === this.#port) this.#takeType(type);
+  takePort({ port, type, fields }) {
+    if (!this.#ports.has(port)) return;
+    this.#ports.set(port, { type, fields, rows: new ValueRows() });
+    if (port === this.#new || !this.#chosen.some((name) => portOf(name) === port)) {
+      if (port === this.#new) this.#new = null;
+      this.#chosen.push(...fields.slice(0, kFields).map(({ name }) => `${port}.${name}`).filter((name) => !this.#chosen.includes(name)));
+      this.#save();
+    }
+    this.#build();
   }
 
-  takePoints(points) {
-    if (points.port === this.#port) this.#takePoints(points);
+  takePoints({ port, whole, times_ms, values }) {
+    const at = this.#ports.get(port);
+    if (!at?.rows) return;
+    if (whole) {
+      at.rows = new ValueRows();
+      for (const series of this.#series) if (series.port === port) series.rows = at.rows;
+    }
+    at.rows.add(times_ms, values);
   }
 
   redraw() {
-    for (const plot of this.#plots.values()) plot.redraw();
+    for (const plot of this.#plots) plot.redraw();
   }
 
   async #askPorts() {
@@ -88,99 +124,216 @@ export class Plots {
     const answers = await Promise.allSettled(devices.map((device) => get("api/ports", { device })));
     const groups = devices.map((device, i) => {
       const ports = answers[i].status === "fulfilled" ? answers[i].value.ports : [];
-      return element("optgroup", { label: device }, ...ports.map(({ name, direction, type }) =>
-        element("option", { value: name, text: `${name.slice(device.length + 1)} (${direction === "out" ? "writes" : "reads"} ${type})` })));
+      return element("optgroup", { label: device }, ...ports.filter(({ direction }) => direction === "out").map(({ name, type }) =>
+        element("option", { value: name, text: `${name.slice(device.length + 1)} (${type})` })));
     });
     const none = groups.every((group) => group.children.length === 0);
     if (none || answers.some(({ status }) => status === "rejected")) this.#listed = "";
-    this.port.replaceChildren(element("option", { value: "", text: "choose ..." }), ...groups.filter((group) => group.children.length > 0));
-    this.#showPort();
+    this.port.replaceChildren(element("option", { value: "", text: "a port ..." }), ...groups.filter((group) => group.children.length > 0));
   }
 
-  #showPort() {
-    const port = this.#port ?? "";
-    if (port && ![...this.port.options].some(({ value }) => value === port)) this.port.append(element("option", { value: port, text: port }));
-    this.port.value = port;
+  #add(port) {
+    this.port.value = "";
+    if (!port || this.#ports.has(port)) return;
+    if (this.#ports.size === kPorts) setText(this.status, `A page plots at most ${kPorts} ports. Remove one first.`);
+    else this.#follow(new Set([...this.#ports.keys(), port]));
   }
 
-  #takeType({ type, fields }) {
-    this.#fields = fields;
-    [this.#times, this.#values] = [[], fields.map(() => [])];
-    setText(this.status, type);
+  #remove(port) {
+    this.#chosen = this.#chosen.filter((name) => portOf(name) !== port);
+    this.#follow(new Set([...this.#ports.keys()].filter((one) => one !== port)));
+    this.#save();
+  }
+
+  /// Requests the values of these ports, and drops those of the others.
+  #follow(ports) {
+    const before = [...this.#ports.keys()];
+    for (const port of before) if (!ports.has(port)) this.#ports.delete(port);
+    for (const port of ports) if (!this.#ports.has(port)) this.#ports.set(port, {});
+    this.#build();
+    if (String(before) !== String([...this.#ports.keys()])) this.#ask();
+  }
+
+  /// Requests the values until the gateway accepts: the device of a port may start after this page.
+  async #ask() {
+    clearTimeout(this.again);
+    const ports = [...this.#ports.keys()];
+    if (ports.length > 0) setText(this.status, "waiting for values ...");
+    const [problem] = await this.#store.choose(ports);
+    if (!problem || String(ports) !== String([...this.#ports.keys()])) return;
+    setText(this.status, [problem.what, problem.fix].filter(Boolean).join("; "));
+    this.again = setTimeout(() => this.#ask(), kAgain_ms);
+  }
+
+  #change(change) {
+    change();
+    this.#save();
     this.#build();
   }
 
-  #takePoints({ whole, times_ms, values }) {
-    if (whole) [this.#times, this.#values] = [[], this.#fields.map(() => [])];
-    this.#times.push(...times_ms);
-    values.forEach((of, i) => this.#values[i]?.push(...of));
-    const old = this.#times.findIndex((time) => time >= (this.#times.at(-1) ?? 0) - kSpan_ms - 10000);
-    if (old > 500) {
-      this.#times.splice(0, old);
-      for (const of of this.#values) of.splice(0, old);
-    }
-    if (this.#asked) return;
-    this.#asked = true;
+  #save() {
+    adjust({ port: null, series: this.#chosen.join(",") || null, range: this.#span_ms === kSpan_s * 1000 ? null : this.#span_ms / 1000,
+      end: this.#end && Math.round(this.#end), stacked: this.#stacked ? "1" : null });
+  }
+
+  /// Makes the plots, the legend and the choice of fields.
+  #build() {
+    for (const plot of this.#plots) plot.destroy();
+    this.#series = this.#chosen.map((name, index) => {
+      const port = portOf(name);
+      const { rows, fields } = this.#ports.get(port) ?? {};
+      const column = (fields ?? []).findIndex((field) => `${port}.${field.name}` === name);
+      return { name, port, index, rows, column: column + 1, labels: fields?.[column]?.labels };
+    }).filter(({ column }) => column > 0);
+    if (this.#ports.size === 0) setText(this.status, "Choose a port. The page then plots its values.");
+    const unknown = this.#chosen.filter((name) => this.#ports.get(portOf(name))?.fields && !this.#series.some((series) => series.name === name));
+    if (unknown.length > 0) setText(this.status, `${listed(unknown)}: the port has no such field`);
+    const groups = this.#stacked ? this.#series.map((one) => [one]) : [this.#series].filter((all) => all.length > 0);
+    this.#plots = groups.map((series) => new Plot({
+      title: series.map(({ name }) => name).join(", "), series,
+      moved: (from, to) => this.#move(to - from, to, false), followed: () => this.#move(this.#range_ms, null),
+      pointed: (time) => this.#point(time), marked: (time) => this.#setMark(time),
+    }));
+    const focused = document.activeElement?.closest?.(".plot") ? ".plot" : document.activeElement?.closest?.(".choice label")?.dataset.name;
+    this.list.replaceChildren(...this.#plots.map((plot) => element("figure", {},
+      this.#stacked ? element("figcaption", {}, sampleOf(plot.series[0].index), plot.series[0].name) : null, plot.element)));
+    setAttribute(this.list, "data-stacked", this.#stacked);
+    this.cells = this.#series.map(() => kValues.map((label) => element("td", { class: "number", "data-label": label })));
+    this.body.replaceChildren(...this.#series.map(({ name, index }, i) => element("tr", {},
+      element("th", { scope: "row" }, sampleOf(index), name), ...this.cells[i])));
+    this.choice.replaceChildren(...[...this.#ports].map(([port, { type, fields }]) => element("fieldset", { class: "fields" },
+      element("legend", {}, `${port}${type ? ` (${type})` : ""}`),
+      ...(fields ?? []).map(({ name }) => element("label", { dataset: { name: `${port}.${name}` } }, element("input", {
+        type: "checkbox", checked: this.#chosen.includes(`${port}.${name}`),
+        on: { change: (event) => this.#change(() => this.#toggle(`${port}.${name}`, event.target.checked)) } }), name)),
+      element("button", { type: "button", text: "remove", "aria-label": `remove ${port}`, on: { click: () => this.#remove(port) } }))));
+    if (focused === ".plot") this.list.querySelector(".plot")?.focus();
+    else if (focused) [...this.choice.querySelectorAll("label")].find((label) => label.dataset.name === focused)?.firstChild.focus();
+    for (const one of [this.legend, this.hint]) one.hidden = this.#series.length === 0;
+    for (const one of [...this.exports, this.pause, this.stack]) one.disabled = this.#series.length === 0;
+    setAttribute(this.stack, "aria-pressed", String(this.#stacked));
+    this.#showRange();
+    this.#soon();
+  }
+
+  #toggle(name, on) {
+    // The series of a port keep the order of its fields.
+    const wanted = new Set(on ? [...this.#chosen, name] : this.#chosen.filter((one) => one !== name));
+    this.#chosen = [...this.#ports].flatMap(([port, { fields }]) => (fields ?? []).map((field) => `${port}.${field.name}`)).filter((one) => wanted.has(one));
+  }
+
+  get #now() {
+    return Math.max(this.#store.now, ...this.#series.map(({ rows }) => rows.newest));
+  }
+
+  get #to() {
+    return this.#end ?? this.#now;
+  }
+
+  /// Shows another range. `chosen` is true if the user chose its length from the list, and false if the user zoomed.
+  #move(span_ms, end, chosen = false) {
+    const middle = end === null ? null : end - this.#span_ms / 2;
+    this.#span_ms = Math.max(kShortest_ms, Math.min(span_ms, kLongest_ms));
+    if (chosen) this.#range_ms = this.#span_ms;
+    this.#end = end === null ? null : Math.min(end, this.#now + this.#span_ms / 2);
+    if (chosen && middle !== null) this.#end = Math.min(middle + this.#span_ms / 2, this.#now);
+    this.#save();
+    this.#showRange();
+    this.#soon();
+  }
+
+  #showRange() {
+    const s = this.#span_ms / 1000;
+    const other = this.span.lastChild;
+    if (!kSpans_s.includes(s)) setText(other, spanText(this.#span_ms));
+    this.span.value = kSpans_s.includes(s) ? String(s) : "";
+    setAttribute(this.pause, "aria-pressed", String(this.#end !== null));
+  }
+
+  #press(event) {
+    if (!event.target.classList.contains("plot") || event.altKey || event.ctrlKey || event.metaKey) return;
+    const [to, span] = [this.#to, this.#span_ms];
+    const way = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    const scale = { "+": 0.5, "=": 0.5, "-": 2 }[event.key];
+    if (way && !event.shiftKey) return;  // moves the cursor
+    if (way) this.#move(span, to + way * span / 10);
+    else if (scale) {
+      const at = this.#cursor ?? to - span / 2;
+      this.#move(span * scale, this.#end === null && this.#cursor === null ? null : at + (to - at) * scale);
+    } else if (event.key === "Enter") this.#setMark(this.#cursor ?? to);
+    else if (event.key === " ") this.pause.click();
+    else if (event.key === "Home") this.#move(this.#range_ms, null);
+    else return;
+    event.preventDefault();
+  }
+
+  #point(time) {
+    this.#cursor = time;
+    this.#say();
+  }
+
+  /// Sets the mark, or removes it if it is there already.
+  #setMark(time) {
+    this.#mark = this.#mark !== null && Math.abs(time - this.#mark) < this.#span_ms / 200 ? null : time;
+    this.#say();
+  }
+
+  /// Draws again if new values have moved the curves by a pixel.
+  #tick() {
+    if (this.settled || this.#plots.some((plot) => plot.held)) return;
+    const age_ms = performance.now() - (this.drawn ?? 0);
+    if (age_ms >= Math.min(kRedraw_ms, this.#span_ms / 800)) this.#draw();
+    else if (age_ms % 500 < kTick_ms) this.#say();
+  }
+
+  #soon() {
+    if (this.asked) return;
+    this.asked = true;
     requestAnimationFrame(() => {
-      this.#asked = false;
+      this.asked = false;
       this.#draw();
     });
   }
 
-  /// Requests the values of the port until the gateway accepts: the port's device may start after this page.
-  async #ask() {
-    const port = this.#port;
-    clearTimeout(this.again);
-    const problem = await this.#select([port]);
-    if (!problem || port !== this.#port) return;
-    setText(this.status, problem);
-    clearTimeout(this.again);
-    this.again = setTimeout(() => this.#ask(), kAgain_ms);
-  }
-
-  /// Chooses the ports whose values the gateway sends. Returns the problem, or null.
-  async #select(ports) {
-    const [problem] = await this.#store.choose(ports);
-    return problem ? [problem.what, problem.fix].filter(Boolean).join("; ") : null;
-  }
-
-  get #chosen() {
-    const given = currentRoute().parameters.get("fields");
-    if (given !== null) return new Set(given.split(",").filter(Boolean));
-    return new Set(this.#fields.slice(0, kFields).map(({ name }) => name));
-  }
-
-  #build() {
-    const chosen = this.#chosen;
-    const boxes = this.#fields.map(({ name }) => element("label", {}, element("input", {
-      type: "checkbox", checked: chosen.has(name), on: { change: (event) => this.#toggle(name, event.target.checked) } }), name));
-    const focused = document.activeElement?.closest?.("fieldset.fields label")?.textContent;
-    this.choice.replaceChildren(this.choice.firstChild, ...boxes);
-    if (focused) boxes.find((box) => box.textContent === focused)?.firstChild.focus();
-    this.choice.hidden = this.#fields.length < 2;
-    this.#plots = new Map(this.#fields.filter(({ name }) => chosen.has(name)).map((field) => [field.name, new TimePlot({
-      title: field.name, unit: field.unit ?? "", labels: field.labels?.length > 0 ? field.labels : null, lines: ["value"],
-      span_ms: Number(this.span.value) * 60000,
-    })]));
-    this.list.replaceChildren(...[...this.#plots.values()].map((plot) => plot.element));
-    this.#draw();
-  }
-
-  #toggle(name, on) {
-    const chosen = this.#chosen;
-    if (on) chosen.add(name);
-    else chosen.delete(name);
-    adjust({ fields: this.#fields.map((field) => field.name).filter((field) => chosen.has(field)).join(",") || "," });
-    this.#build();
-  }
-
-  #span() {
-    adjust({ minutes: this.span.value });
-    this.#build();
-  }
-
   #draw() {
-    const end = Math.max(this.#store.now, this.#times.at(-1) ?? 0);
-    this.#fields.forEach(({ name }, i) => this.#plots.get(name)?.show(this.#times, [this.#values[i]], end));
+    if (!this.element.isConnected) return;
+    this.drawn = performance.now();
+    const to = this.#to;
+    this.extremes = this.#plots.flatMap((plot) => plot.show(to - this.#span_ms, to));
+    this.settled = this.#end !== null && this.#series.every(({ rows }) => rows.newest > this.#end);
+    if (this.#series.length > 0 && this.extremes.every(Boolean) && this.status.textContent.startsWith("waiting")) setText(this.status, "");
+    this.#say();
   }
+
+  /// Shows the cursor, the mark, and the values there.
+  #say() {
+    for (const plot of this.#plots) plot.point(this.#cursor, this.#mark);
+    const at = this.#cursor ?? this.#to;
+    const words = (time) => clock(time, { thousandths: this.#span_ms < 120000 });
+    setText(this.at, this.#series.length === 0 ? "" : [this.#cursor === null && this.#end === null ? `now, ${words(at)}` : `at ${words(at)}`,
+      ...this.#mark === null ? [] : [`mark at ${words(this.#mark)}`, `${duration((at - this.#mark) * 1e3)} between them`]].join("; "));
+    setAttribute(this.legend, "data-marked", this.#mark !== null);
+    this.#series.forEach(({ rows, column, labels }, i) => {
+      const of = (value) => (value === undefined || value === null ? "-" : labels?.[value] ?? digits(value));
+      const value = rows.at(at)?.[column];
+      const marked = this.#mark === null ? null : rows.at(this.#mark)?.[column] ?? null;
+      const [low, high] = this.extremes?.[i] ?? [];
+      const difference = marked === null || value === null || value === undefined || labels ? null : value - marked;
+      [value, low, high, marked].forEach((one, place) => setText(this.cells[i][place], of(one)));
+      setText(this.cells[i][4], digits(difference));
+    });
+  }
+
+  async #export(kind) {
+    const to = this.#to;
+    const content = kind === "csv" ? new Blob([csvOf(this.#series, to - this.#span_ms, to)], { type: "text/csv" })
+      : await pictureOf(this.#plots, this.#series);
+    download(content, `takt-${clock(to).replaceAll(":", "")}.${kind}`);
+  }
+}
+
+function spanText(ms) {
+  if (ms % 3600000 === 0) return `${ms / 3600000} h`;
+  if (ms % 60000 === 0) return `${ms / 60000} min`;
+  return ms < 1000 ? `${digits(ms, 3)} ms` : ms < 60000 ? `${digits(ms / 1000, 3)} s` : duration(ms * 1e3);
 }

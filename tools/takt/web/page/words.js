@@ -13,6 +13,14 @@ export function number(value) {
   return (value < 0 ? kMinus : "") + text;
 }
 
+/// Formats a value with up to this many significant digits.
+export function digits(value, most = 6) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "-";
+  const size = Math.abs(value);
+  const text = size !== 0 && (size < 1e-4 || size >= 1e15) ? Number(size.toPrecision(most)).toExponential() : String(Number(size.toPrecision(Math.max(most, Math.ceil(Math.log10(size + 1))))));
+  return (value < 0 ? kMinus : "") + text;
+}
+
 export function count(value) {
   return value === null || value === undefined ? "-" : String(value);
 }
