@@ -490,7 +490,7 @@ class Submessages {
 
 bool is_header(std::span<const std::uint8_t> message) noexcept {
   constexpr std::array<std::uint8_t, 5> kBegin{'R', 'T', 'P', 'S', 2};
-  return message.size() >= kHeader && std::equal(kBegin.begin(), kBegin.end(), message.begin());
+  return message.size() > kHeader && std::equal(kBegin.begin(), kBegin.end(), message.begin());
 }
 
 /// Returns true if an encrypted body and authentication codes follow this SEC_PREFIX or SRTPS_PREFIX, each
@@ -519,7 +519,7 @@ std::size_t readable_rtps(std::span<const std::uint8_t> message, IsCertificate i
     const auto one = rest.next();
     if (one.kind == 0 || !is_submessage(one.kind, one.flags, {one.body, one.little()}, is_certificate))
       return 0;
-    if (one.kind == kStatistics) return rest.empty() ? begin : 0;
+    if (one.kind == kStatistics) return rest.empty() && begin > kHeader ? begin : 0;
   }
   return message.size();
 }
