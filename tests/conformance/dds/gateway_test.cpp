@@ -19,9 +19,12 @@
 #include <thread>
 #include <vector>
 
+#include <fastcdr/Cdr.h>
+#include <takt/wire/takt.h>
 #include <takt/channel/link.hpp>
 #include <takt/channel/release_slot.hpp>
 #include <takt/dds/gateway.hpp>
+#include <takt/dds/topics.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
 
@@ -681,6 +684,40 @@ TEST_P(DeceivedFragments, AreIgnoredIfTheNumberThatFastDdsStoresWouldExceedTheMe
   send(fragments(1, 13, 4683, kMost));
   send(fragments(14, 2, 4683, kMost));
   expect_samples(0);
+}
+
+std::vector<std::byte> bytes_of(const FaultEvent& event) {
+  eprosima::fastcdr::FastBuffer buffer;
+  eprosima::fastcdr::Cdr cdr{buffer, eprosima::fastcdr::Cdr::LITTLE_ENDIANNESS,
+                             eprosima::fastcdr::Cdr::DDS_CDR};
+  cdr.serialize_encapsulation();
+  event.serialize(cdr);
+  const auto* begin = reinterpret_cast<const std::byte*>(buffer.getBuffer());
+  return {begin, begin + cdr.getSerializedDataLength()};
+}
+
+// The key hash in a fragment makes Fast DDS store the unfinished sample under this key. When the sample is
+// lost, Fast DDS reuses its memory, but would still find it under the key.
+TEST_F(DeceivedGateway, ForgetsTheKeyOfALostSampleOfWhichItHasFragments) {
+  std::atomic<std::uint64_t> received{0};
+  auto reader = dds::Reader<FaultEvent>::create(
+      participant_, {.sample = [&received](const FaultEvent&, wire::WriterId) { ++received; }});
+  ASSERT_TRUE(reader.ok());
+  peer_.emplace(std::vector<std::string>{"deceive", "takt/fault", "reliable", "takt::FaultEvent"});
+  ASSERT_TRUE(soon([&] { return reader->matched() == 1; }));
+  const std::string key_hash = "70001000" + hex(1, 8) + hex(1, 8) + "01000000";
+  send("16 03 00001c00 " + number(1) + hex(1, 4) + hex(1, 2) + hex(100, 2) + hex(200, 4) + key_hash + " 100");
+  send(heartbeat(2, 1000));
+  FaultEvent event;
+  event.path("cell/robot");
+  for (std::uint64_t i = 2; i < 5; ++i) {
+    send(data(i, bytes_of(event)));
+    EXPECT_TRUE(soon([&] { return received + reader->refused() == i - 1; })) << i;
+  }
+  // The next sample comes first in part, without a key hash, and then as a whole.
+  send("16 01 00001c00 " + number(5) + hex(1, 4) + hex(1, 2) + hex(100, 2) + hex(200, 4) + " 100");
+  send(data(5, bytes_of(event)));
+  EXPECT_TRUE(soon([&] { return received + reader->refused() == 4; }));
 }
 
 }  // namespace

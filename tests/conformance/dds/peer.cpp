@@ -460,15 +460,18 @@ void returning(const Participant& participant, const Arguments& arguments) {
   heartbeats.join();
 }
 
-// Command `deceive TOPIC RELIABILITY`: creates a writer of test::Sample that writes no sample. For each input
-// line "KIND FLAGS BEFORE AFTER ZEROS", sends an RTPS message in the name of this writer to all participants
-// on loopback. The message is one submessage that contains the bytes BEFORE, the ids of all readers and of
-// the writer, the bytes AFTER, and ZEROS bytes of value 0. KIND, FLAGS, BEFORE and AFTER are hexadecimal;
-// BEFORE may be "-"
+// Command `deceive TOPIC RELIABILITY [TYPE]`: creates a writer of test::Sample, or of TYPE, which has a key
+// and is kept for readers that join later. It writes no sample. For each input line "KIND FLAGS BEFORE AFTER
+// ZEROS", sends an RTPS message in the name of this writer to all participants on loopback. The message is
+// one submessage that contains the bytes BEFORE, the ids of all readers and of the writer, the bytes AFTER,
+// and ZEROS bytes of value 0. KIND, FLAGS, BEFORE and AFTER are hexadecimal; BEFORE may be "-"
 void deceive(const Participant& participant, const Arguments& arguments) {
   dds::OwnParticipant& mine = dds::own(*participant);
-  auto* topic = must(mine.topic(arguments[0], dds::fast::TypeSupport{new ForgedType{"test::Sample", false}}));
+  const bool keyed = arguments.size() > 2;
+  auto* topic = must(mine.topic(
+      arguments[0], dds::fast::TypeSupport{new ForgedType{keyed ? arguments[2] : "test::Sample", keyed}}));
   dds::fast::DataWriterQos qos;
+  if (keyed) qos.durability().kind = dds::fast::TRANSIENT_LOCAL_DURABILITY_QOS;
   qos.reliability().kind = arguments[1] == "reliable" ? dds::fast::RELIABLE_RELIABILITY_QOS
                                                       : dds::fast::BEST_EFFORT_RELIABILITY_QOS;
   qos.data_sharing().off();

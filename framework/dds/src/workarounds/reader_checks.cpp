@@ -223,6 +223,9 @@ bool StatefulReader::processDataMsg(CacheChange_t* sample) {
 bool StatefulReader::processDataFragMsg(CacheChange_t* part, std::uint32_t sample, std::uint32_t first,
                                         std::uint16_t count) {
   const bool is_whole = first == 1 && std::uint64_t{count} * part->getFragmentSize() >= sample;
+  // Fast DDS would store the incomplete sample under the key of this hash, and not remove it there when it
+  // drops the sample. It computes the key when the sample is complete.
+  part->instanceHandle = InstanceHandle_t{};
   std::unique_lock storing{storing_fragments};
   {
     const std::lock_guard lock{mp_mutex};
@@ -271,6 +274,7 @@ bool ReaderHistory::add_change(CacheChange_t* sample) {
 
 bool StatelessReader::processDataFragMsg(CacheChange_t* part, std::uint32_t sample, std::uint32_t first,
                                          std::uint16_t count) {
+  part->instanceHandle = InstanceHandle_t{};  // see StatefulReader::processDataFragMsg()
   const std::lock_guard storing{storing_fragments};
   {
     const std::lock_guard lock{mp_mutex};

@@ -11,6 +11,8 @@
 // - It handles a sample whose fragments all arrive at once twice, the second time after it has freed the
 //   sample. It also keeps two samples with the same number, if one arrives in fragments and the other does
 //   not. Then an assertion fails, or the thread that receives packets never returns.
+// - It stores an incomplete sample under the key hash that a fragment contains, and uses its memory again
+//   while it is still there. Then a thread takes the same sample for ever.
 #pragma once
 
 #include <cstdint>
