@@ -352,21 +352,18 @@ void check_fragments(Cursor& body, std::uint8_t flags) noexcept {
   const std::uint64_t count = body.u16();
   const std::uint64_t size = body.u16();
   const std::uint64_t sample = body.u32();
-  if (!body.ok() || to_qos < kBehind || first == 0 || count == 0 || size == 0 || sample == 0)
-    return body.fail();
+  if (!body.ok() || to_qos < kBehind || first == 0 || count == 0 || size == 0) return body.fail();
   if (writer == kProofs && sample > kMostProof) return body.fail();
   body.skip(to_qos - kBehind);
   if ((flags & kInlineQos) != 0) check_parameters(body);
   const std::uint64_t begin = (first - 1) * size;
-  if (begin >= sample || begin + (count - 1) * size >= sample) return body.fail();
+  if (begin + (count - 1) * size >= sample) return body.fail();
   if (body.left() < std::min(count * size, sample - begin)) body.fail();
 }
 
 void check_locators(Cursor& body) noexcept {
   constexpr std::size_t kLocator = 24;
-  const std::uint32_t n = body.u32();
-  if (n > body.left() / kLocator) return body.fail();
-  body.skip(n * kLocator);
+  body.skip(body.u32() * kLocator);
 }
 
 bool is_submessage(std::uint8_t kind, std::uint8_t flags, Cursor body,
@@ -497,9 +494,9 @@ bool is_header(std::span<const std::uint8_t> message) noexcept {
 /// with a length that matches its content.
 bool is_protected(const Submessages::One& prefix, Submessages& rest) noexcept {
   const auto postfix_kind = static_cast<std::uint8_t>(prefix.kind + 1);
-  if (prefix.last || prefix.body.size() != 20) return false;
+  if (prefix.body.size() != 20) return false;
   const auto body = rest.next();
-  if (body.kind != 0x30 || body.last) return false;
+  if (body.kind != 0x30) return false;
   Cursor size{body.body, false};
   if (((size.u32() + 3U) & ~3U) + 4 != ((body.body.size() + 3) & ~std::size_t{3})) return false;
   const auto postfix = rest.next();
