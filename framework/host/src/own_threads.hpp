@@ -27,7 +27,7 @@ class InInstance {
 
 /// From now on, the timers of the instance no longer call it when they expire.
 void stop_timers(const OwnThreads& instance);
-/// Deletes the timers that the instance has created and not deleted. Returns false if there were none.
+/// Deletes all timers that the instance still has. Returns false if it had none.
 bool delete_timers(const OwnThreads& instance);
 
 }  // namespace takt::host

@@ -112,7 +112,7 @@ TEST(ClockOffset, FollowsAClockThatIsSet) {
   }
 }
 
-TEST(ClockOffset, FollowsAClockThatIsSetByLessThanTheRoundTripTime) {
+TEST(ClockOffset, FollowsASmallStepOfTheOtherClockOnASlowNetwork) {
   for (const milliseconds step :
        {milliseconds{500}, milliseconds{100}, milliseconds{-100}, milliseconds{-500}}) {
     TwoNodes nodes;
