@@ -485,6 +485,26 @@ class Submessages {
   std::span<const std::uint8_t> left_;
 };
 
+/// Calls `each` with the parameter list in each DATA of a writer for which `of` returns true.
+template <class Of, class Each>
+void for_each_list(std::span<const std::uint8_t> message, Of&& of, Each&& each) noexcept {
+  for (Submessages rest{message}; !rest.empty();) {
+    const auto one = rest.next();
+    if (one.kind != 0x15 || (one.flags & kData) == 0) continue;
+    Cursor body{one.body, one.little()};
+    Cursor copy = body;
+    copy.skip(2);
+    const std::uint32_t to_qos = copy.u16();
+    if (!of(check_head(body, kBeforeData))) continue;
+    body.skip(to_qos - kBeforeData);
+    // Skip the inline QoS. It can announce that the participant leaves; Fast DDS handles such an
+    // announcement.
+    if ((one.flags & kInlineQos) != 0) check_parameters(body);
+    const auto encapsulation = body.bytes(4);
+    if (body.ok()) each(Cursor{body.bytes(body.left()), encapsulation[1] == 3});
+  }
+}
+
 bool is_header(std::span<const std::uint8_t> message) noexcept {
   constexpr std::array<std::uint8_t, 5> kBegin{'R', 'T', 'P', 'S', 2};
   return message.size() > kHeader && std::equal(kBegin.begin(), kBegin.end(), message.begin());
@@ -529,25 +549,13 @@ bool is_readable_proof(std::span<const std::uint8_t> content, IsCertificate is_c
 }
 
 void skip_unused_parameters(std::span<std::uint8_t> message) noexcept {
-  for (Submessages rest{message}; !rest.empty();) {
-    const auto one = rest.next();
-    if (one.kind != 0x15 || (one.flags & kData) == 0) continue;
-    Cursor body{one.body, one.little()};
-    Cursor copy = body;
-    copy.skip(2);
-    const std::uint32_t to_qos = copy.u16();
-    if (!discovers(check_head(body, kBeforeData))) continue;
-    body.skip(to_qos - kBeforeData);
-    if ((one.flags & kInlineQos) != 0) check_parameters(body);
-    const auto encapsulation = body.bytes(4);
-    if (!body.ok()) continue;
-    Cursor list{body.bytes(body.left()), encapsulation[1] == 3};
+  for_each_list(message, discovers, [&](Cursor list) {
     check_parameters(list, [&](std::uint32_t parameter, Cursor value) {
       if (!is_unused(parameter)) return;
       const std::size_t begin = static_cast<std::size_t>(value.bytes(0).data() - message.data()) - 4;
       message[begin] = message[begin + 1] = kPad;
     });
-  }
+  });
 }
 
 bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept {
@@ -609,23 +617,10 @@ Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
   const auto is_sender = [&](Cursor value) {
     return std::ranges::equal(value.bytes(found.number.size()), found.number);
   };
-  for (Submessages rest{message}; !rest.empty();) {
-    const auto one = rest.next();
-    if (one.kind != 0x15 || (one.flags & kData) == 0) continue;
-    Cursor body{one.body, one.little()};
-    Cursor copy = body;
-    copy.skip(2);
-    const std::uint32_t to_qos = copy.u16();
-    if (check_head(body, kBeforeData) != kParticipants) continue;
-    body.skip(to_qos - kBeforeData);
-    // Skip the inline QoS. It can announce that the participant leaves; Fast DDS handles such an
-    // announcement.
-    if ((one.flags & kInlineQos) != 0) check_parameters(body);
-    const auto encapsulation = body.bytes(4);
-    if (!body.ok()) continue;
+  const auto is_announcer = [](std::uint32_t writer) { return writer == kParticipants; };
+  for_each_list(message, is_announcer, [&](Cursor list) {
     bool from_itself = true;
     bool named = false;
-    Cursor list{body.bytes(body.left()), encapsulation[1] == 3};
     check_parameters(list, [&](std::uint32_t parameter, Cursor value) {
       if (parameter == kParticipant) named = true;
       if (parameter == kParticipant || parameter == kKeyHash) from_itself = from_itself && is_sender(value);
@@ -633,7 +628,7 @@ Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
     });
     const bool again = found.of != Announcement::Of::nobody;
     found.of = from_itself && named && !again ? Announcement::Of::sender : Announcement::Of::other;
-  }
+  });
   return found;
 }
 
