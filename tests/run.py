@@ -1,6 +1,9 @@
 """Runs the tests of all builds in one CTest run, so that a test of one build can run while a test of another build waits.
 
     run.py FOLDER [CTEST ARGUMENTS]         FOLDER holds the CTestTestfile.cmake of all builds
+    run.py --check [CTEST ARGUMENTS]        only checks the arguments
+
+CTest ignores words that it does not know, and runs all tests. So run.py rejects them, with exit status 2.
 
 A failed test that uses real processes, a network or real time (LABELS) runs once more, alone, after all other tests. If it passes then, it
 is unstable: a busy machine can make it fail. The run fails if a test fails twice, if any other test fails, or if more than MOST_UNSTABLE
@@ -84,6 +87,35 @@ def ctest(folder, arguments, results):
     return run.returncode, failed, "".join(summary)
 
 
+def options_of_ctest():
+    """Returns the options of CTest: True if a value follows as the next word. Options that end with "=" contain their value."""
+    options = {}
+    for line in subprocess.run(["ctest", "--help"], stdout=subprocess.PIPE, text=True, check=True).stdout.splitlines():
+        head = re.match(r"  (-.*?)(?:= [A-Z].*)?$", line)
+        found = re.findall(r"(?:^|, ?)(-[-\w.]*\w)(\[?=|)( [<\[ua]|)", head[1]) if head else []
+        for name, within, _ in found:
+            if within:
+                options[name + "="] = False
+            if within != "=":
+                options[name] = any(value for _, _, value in found)
+    return options | {"--test-load": True}  # the help does not show its value
+
+
+def mistake_in(arguments):
+    """Returns what is wrong with these arguments for CTest, or an empty string."""
+    options = options_of_ctest()
+    words = iter(arguments)
+    for word in words:
+        if not word.startswith("-"):
+            return "CTest ignores the argument %s; to run the tests whose names contain it, write -R %s" % (word, word)
+        is_known = word in options or word[:word.find("=") + 1] in options or re.fullmatch(r"-j\d+", word)
+        if not is_known:
+            return "CTest has no option %s; ctest --help lists its options" % word
+        if options.get(word) and next(words, None) is None:
+            return "a value must follow the option %s" % word
+    return ""
+
+
 def labels_by_name(folder):
     listing = subprocess.run(["ctest", "--test-dir", str(folder), "--show-only=json-v1"], stdout=subprocess.PIPE, check=True).stdout
     return {test["name"]: {label for each in test.get("properties", []) if each["name"] == "LABELS" for label in each["value"]}
@@ -142,4 +174,8 @@ def main(folder, arguments):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], sys.argv[2:]))
+    mistake = mistake_in(sys.argv[2:])
+    if mistake:
+        print("tools/test: " + mistake, file=sys.stderr)
+        sys.exit(2)
+    sys.exit(0 if sys.argv[1] == "--check" else main(sys.argv[1], sys.argv[2:]))

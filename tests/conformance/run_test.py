@@ -1,12 +1,15 @@
-"""Checks that tests/run.py tells a broken product from a busy machine. Usage: run_test.py SOURCE_FOLDER"""
+"""Checks that tests/run.py tells a broken product from a busy machine, and that tools/test and tools/build reject wrong arguments.
+Usage: run_test.py SOURCE_FOLDER"""
 
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
 
-RUN = os.path.join(sys.argv.pop(1), "tests/run.py")
+SOURCE = sys.argv.pop(1)
+RUN = os.path.join(SOURCE, "tests/run.py")
 SECOND_TIME = "rmdir %s 2>/dev/null || { mkdir %s; echo the first failure; exit 1; }"
 
 
@@ -96,6 +99,54 @@ class Run(unittest.TestCase):
             file.write("add_test(missing %s/missing)\n" % self.folder)
         status, out, _ = self.run_tests()
         self.assertNotEqual(0, status, out)
+
+
+class Arguments(unittest.TestCase):
+    def setUp(self):
+        self._folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self._folder.cleanup)
+        self.root = self._folder.name
+        for name in ("tools/test", "tools/build", "tests/run.py"):
+            os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
+            shutil.copy(os.path.join(SOURCE, name), self.path(name))
+        with open(self.path("tools/setup"), "w") as file:  # the first program that tools/test calls
+            file.write("#!/bin/sh\necho installing; exit 1\n")
+        os.chmod(self.path("tools/setup"), 0o755)
+
+    def path(self, name):
+        return os.path.join(self.root, name)
+
+    def run_script(self, command):
+        name, *arguments = command.split()
+        return subprocess.run([self.path(name), *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    def test_a_word_that_ctest_would_ignore_ends_tools_test_at_once(self):
+        for command, message in (("--nonsense", "CTest has no option --nonsense; ctest --help lists its options"),
+                                 ("-R one --tests-regx two", "CTest has no option --tests-regx; ctest --help lists its options"),
+                                 ("--tests-regex=one", "CTest has no option --tests-regex=one; ctest --help lists its options"),
+                                 ("-L system --full", "CTest has no option --full; ctest --help lists its options"),
+                                 ("--full one", "CTest ignores the argument one; to run the tests whose names contain it, write -R one"),
+                                 ("-j 2 -R", "a value must follow the option -R")):
+            with self.subTest(command=command):
+                run = self.run_script("tools/test " + command)
+                self.assertEqual((2, "", "tools/test: " + message), (run.returncode, run.stdout, run.stderr.strip()))
+
+    def test_tools_test_accepts_the_options_of_ctest(self):
+        for command in ("--full -R one -E one -L system -LE full -j3 -I 1,2 -U -V -VV -Q -N -FA one -FS one -FC one",
+                        "--tests-regex one --label-exclude -j -j 3 --parallel 3 --repeat until-fail:20 --repeat-until-fail 2 --show-only",
+                        "--show-only=json-v1 --stop-on-failure --rerun-failed --timeout 5 --schedule-random --test-load 2 --print-labels",
+                        "--no-tests=error --interactive-debug-mode 0 --progress --output-log log", ""):
+            with self.subTest(command=command):
+                run = self.run_script("tools/test " + command)
+                self.assertEqual((1, ""), (run.returncode, run.stderr))
+                self.assertIn("installing", run.stdout)
+
+    def test_tools_build_has_no_options(self):
+        for command in ("tools/build --nonsense", "tools/build release --nonsense", "tools/build release takt -j3"):
+            with self.subTest(command=command):
+                run = self.run_script(command)
+                self.assertEqual((2, ""), (run.returncode, run.stdout))
+                self.assertRegex(run.stderr, r"^usage: ")
 
 
 if __name__ == "__main__":
