@@ -615,16 +615,17 @@ class Run {
     // With DDS Security, the number of unauthenticated participants of one address is limited.
     const takt::os::Ipv4 from =
         packet.kind == Packet::Kind::damaged ? takt::os::Ipv4{10, 0, 0, 1} : takt::os::Ipv4{127, 0, 0, 1};
-    participant_.filter().pass({bytes, packet.bytes.size()}, from, true, [&](std::size_t readable) {
-      passed = readable;
-      const std::uint8_t* const part = edge_.put(bytes, readable);  // pass() may have changed it
-      rtps::Locator_t sender{LOCATOR_KIND_UDPv4, peers_.port()};
-      sender.address[12] = 127;
-      sender.address[15] = 1;
-      const std::lock_guard lock{handling};
-      const Port& port = open_ports.at(packet.port);
-      original()(port.receiver, part, static_cast<std::uint32_t>(readable), port.locator, sender);
-    });
+    participant_.filter().pass(
+        {bytes, packet.bytes.size()}, {.from = from, .here = true}, [&](std::size_t readable) {
+          passed = readable;
+          const std::uint8_t* const part = edge_.put(bytes, readable);  // pass() may have changed it
+          rtps::Locator_t sender{LOCATOR_KIND_UDPv4, peers_.port()};
+          sender.address[12] = 127;
+          sender.address[15] = 1;
+          const std::lock_guard lock{handling};
+          const Port& port = open_ports.at(packet.port);
+          original()(port.receiver, part, static_cast<std::uint32_t>(readable), port.locator, sender);
+        });
     return passed;
   }
 

@@ -21,9 +21,10 @@ thread_local os::Ipv4 sender_of_this_packet{};
 
 os::Ipv4 PacketFilter::sender() noexcept { return sender_of_this_packet; }
 
-void PacketFilter::pass(std::span<std::uint8_t> packet, const os::Ipv4& from, bool here,
+void PacketFilter::pass(std::span<std::uint8_t> packet, const Arrival& arrival,
                         const std::function<void(std::size_t)>& handle) {
-  if (is_silent(here)) return;
+  const os::Ipv4& from = arrival.from;
+  if (is_silent(arrival.here)) return;
   const std::size_t readable = wire::readable_rtps(packet, secured_ ? &security::names_somebody : nullptr);
   if (readable == 0) return drop(from, "it is not a valid RTPS message");
   packet = packet.first(readable);
@@ -41,10 +42,11 @@ void PacketFilter::pass(std::span<std::uint8_t> packet, const os::Ipv4& from, bo
   sender_of_this_packet = from;
   // Fast DDS must not handle two announcements of a participant at once; see participant_removal.hpp.
   if (wire::concerns_participants(packet)) {
-    set_near(wire::sender_of(packet), here);
+    set_near(wire::sender_of(packet), arrival.here);
     receive_lock.handle_alone([&] { handle(readable); });
   } else {
-    if (secured_ || !wire::is_protected_rtps(packet)) {  // otherwise this participant cannot decrypt it
+    const bool is_readable = secured_ || !wire::is_protected_rtps(packet);
+    if (is_readable && !arrival.in_group) {
       const std::lock_guard lock{mutex_};
       if (last_messages_.size() == kMostSenders) last_messages_.clear();
       last_messages_[wire::sender_of(packet)] = os::now();

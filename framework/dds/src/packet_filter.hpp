@@ -26,14 +26,21 @@ namespace takt::dds {
 /// With which participants the process exchanges no packets at the moment.
 enum class Silence { none, on_this_machine, on_other_machines, everywhere };
 
+/// How a packet arrived.
+struct Arrival {
+  os::Ipv4 from{};
+  bool here = false;      ///< it comes from this machine
+  bool in_group = false;  ///< it was sent to a multicast group
+};
+
 /// The filter of the process's participant. Any thread may call its functions.
 class PacketFilter {
  public:
   PacketFilter(wire::Notices& notices, bool secured) : notices_(notices), secured_(secured) {}
 
   /// Calls `handle` with the number of bytes that Fast DDS may read, unless the packet must be dropped.
-  /// Changes the packet where Fast DDS must skip a part of it. `here`: it comes from this machine.
-  void pass(std::span<std::uint8_t> packet, const os::Ipv4& from, bool here,
+  /// Changes the packet where Fast DDS must skip a part of it.
+  void pass(std::span<std::uint8_t> packet, const Arrival& arrival,
             const std::function<void(std::size_t)>& handle);
   /// Returns true if no packet may be sent to participants on this machine, or on others.
   [[nodiscard]] bool is_silent(bool here) const noexcept {
@@ -48,8 +55,9 @@ class PacketFilter {
   /// Returns the sender of the packet that this thread handles, or has handled last.
   [[nodiscard]] static os::Ipv4 sender() noexcept;
 
-  /// Returns when the last message of this participant arrived that can be decrypted and is not an
-  /// announcement.
+  /// Returns when the last message of this participant arrived that can be decrypted, is not an announcement
+  /// and was not sent to a multicast group: what a participant sends to a group is meant for those that it
+  /// has matched, but everybody receives it.
   [[nodiscard]] std::optional<Instant> last_message_of(const wire::ParticipantNumber& participant) const;
 
   wire::UnauthenticatedParticipants unauthenticated;  // used only with DDS Security

@@ -270,7 +270,8 @@ class UdpTransport final : public transport::TransportInterface {
     if (!here) names_.heard(packet.from.address);
     Locator_t from{any_at(packet.from.port)};
     set_address(from, packet.from.address);
-    filter_.pass(bytes, packet.from.address, here, [&](std::size_t readable) {
+    const Arrival arrival{.from = packet.from.address, .here = here, .in_group = is_group(packet.to)};
+    filter_.pass(bytes, arrival, [&](std::size_t readable) {
       handles_packet_from_here = here;
       above.OnDataReceived(bytes.data(), static_cast<std::uint32_t>(readable), port, from);
     });

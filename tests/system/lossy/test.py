@@ -75,14 +75,15 @@ class Lossy(networks.NetworkCase):
         self.assertLess(max(rates), 22000)
 
     def test_the_message_names_the_device_that_only_announced_itself(self):
+        # The node sends its status to the multicast group, because another machine receives it. So it also arrives at the operator.
         self.nodes("robot")
+        self.start("watch", on="line").wait_for_out(r"\brobot: waiting\b")
         wait_until(lambda: "robot" in self.status(), "the device to be found")
         self.net.lose_packets("robot", "operator")
         for command in ("status", "stop robot.latch", "deploy " + self.write("cell.xml", CELL)):
             run = self.operator(*command.split())
             self.assertEqual(1, run.status)
             self.assertIn("only announcements arrived from robot: check whether the network loses or delays packets", run.err)
-
 
     def test_the_search_goes_on_while_discovery_messages_arrive(self):
         # Discovery needs at least two messages there and back, 4 s, and a search without any message ends after 3 s.

@@ -47,7 +47,7 @@ class Participant {
   /// A participant whose announcements have arrived.
   struct Announced {
     std::string name;  ///< such as "takt-node robot"
-    bool sends_more;   ///< true: more than announcements has arrived from it in the last 1.5 s
+    bool sends_more;   ///< true: it has sent more than announcements to this one alone in the last 1.5 s
   };
 
   /// Creates the participant. Fails if the domain or an address cannot be used, if the process already has a
