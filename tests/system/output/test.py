@@ -100,9 +100,10 @@ class Output(takt_system.Case):
                 os.mkfifo(path("pipe"))
                 with open(path("got"), "wb") as got:
                     reader = subprocess.Popen(["cat", path("pipe")], stdout=got)
+                self.addCleanup(reader.kill)
                 self.assertEqual(0, self.write_file(command, "pipe")[0])
-                self.assertEqual(0, reader.wait())
                 self.assertTrue(stat.S_ISFIFO(os.lstat(path("pipe")).st_mode))
+                self.assertEqual(0, reader.wait(takt_system.LONG))
                 self.assertGreater(os.path.getsize(path("got")), 100)
                 for target in ("old", "new"):
                     if target == "old":
