@@ -470,6 +470,53 @@ class Web(takt_system.Case):
         wait_until(lambda: page.focused() == "tuned", "the focus to return")
         self.finish(web)
 
+    def test_the_tree_of_the_web_page_shows_the_worst_first_and_finds_a_module_by_its_name(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("#/connections")
+        wait_until(lambda: page.texts("[role=treeitem] .name")[:2] == ["line", "fails"], "the module in RECOVER as the first in the tree")
+        page.wait_for("[data-item='line.fails'] .state", "^RECOVER$")
+        page.press("/")
+        self.assertEqual("find a device or module by name or state", page.focused())
+        page.press(*"tune")
+        wait_until(lambda: page.texts("[role=treeitem] .name") == ["robot", "tuned"], "the module that was searched for")
+        page.press(Keys.ENTER)
+        page.wait_for("#details h2", r"^robot\.tuned$")
+        page.press("/", *"sink", Keys.ESCAPE)
+        page.wait_for("[data-item='robot.source'] .name", "source")
+        self.assertEqual("robot.tuned", page.text("#details h2"), "this Escape only clears the search")
+        page.press(Keys.ARROW_DOWN, Keys.ARROW_DOWN, Keys.ENTER)
+        page.wait_for("#details h2", r"^line\.fails$")
+
+        # The selection stays in every view, and a folded column stays folded.
+        page.click("#tab-faults")
+        page.wait_for(".faults .what", "failure")
+        self.assertEqual("line.fails", page.text("#details h2"))
+        for column in ("tree", "details"):
+            page.click("#%s-button" % column)
+            page.wait_for_attribute("#%s-button" % column, "aria-expanded", "false")
+        page.open("about:blank")
+        page.open(self.address + "#/faults?select=line.fails")
+        page.wait_for(".faults .what", "failure")
+        self.assertEqual([[], []], [page.texts("[role=treeitem]"), page.texts("#details h2")])
+        page.click("#details-button")
+        page.wait_for("#details h2", r"^line\.fails$")
+
+        # On a narrow screen, neither the tree nor the details cover Stop.
+        for width, height in ((390, 844), (768, 1024)):
+            page.size(width, height)
+            self.select("robot.tuned")
+            wait_until(lambda: not page.texts("[role=treeitem]"), "the tree to be closed")
+            page.click("#tree-button")
+            page.wait_for("[data-item='line.fails']", "fails")
+            self.assertTrue(page.script("""
+                const stop = document.querySelector("#details [data-verb=stop]"), {left, top, width, height} = stop.getBoundingClientRect();
+                return document.elementFromPoint(left + width / 2, top + height / 2) === stop;"""), "%d px" % width)
+            page.click("[data-item='line.fails']")
+            page.wait_for("#details h2", r"^line\.fails$")
+            wait_until(lambda: not page.texts("[role=treeitem]"), "the tree to be closed")
+        self.finish(web)
+
     @takt_system.quiet("the browser competes with other tests for the CPUs")
     def test_the_web_page_marks_its_data_as_outdated_while_the_gateway_is_unreachable(self):
         web = self.serve()

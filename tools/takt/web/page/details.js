@@ -1,4 +1,5 @@
-// Shows all data of the selected module or device. On a wide screen it is beside the view, on a narrow screen it replaces the view.
+// Shows all data of the selected module or device. On a wide screen it is beside the view, on a narrow screen it is a
+// sheet below the view.
 
 import { element } from "./dom.js";
 import { DeviceDetails } from "./device_details.js";

@@ -3,15 +3,14 @@
 import { element, Mark, setText } from "./dom.js";
 import { Distributions, Facts } from "./facts.js";
 import { LastFaults } from "./last_faults.js";
-import { lookOfDevice, lookOfModule } from "./looks.js";
+import { lookOfDevice } from "./looks.js";
 import { Commands } from "./commands.js";
-import { addressOf, linkTo } from "./route.js";
+import { addressOf } from "./route.js";
 import { count, exact, number } from "./words.js";
 
 export class DeviceDetails {
   #store;
   #name = null;
-  #modules = new Map();  // the Mark of each module, by name
   #executors = new Map();
 
   constructor(store) {
@@ -21,11 +20,10 @@ export class DeviceDetails {
     this.facts = new Facts();
     this.commands = new Commands(store);
     this.executors = element("div");
-    this.modules = element("ul", { class: "plain" });
     this.table = element("a", { text: "table and timing of the last macro period" });
     this.faults = new LastFaults(store);
     const part = (title, ...children) => element("section", {}, element("h3", { text: title }), ...children);
-    this.element = element("div", {}, this.mark.element, this.why, this.commands.element, part("Modules", this.modules), this.faults.element,
+    this.element = element("div", {}, this.mark.element, this.why, this.commands.element, this.faults.element,
       part("Executors", this.executors, element("p", {}, this.table)), part("Node", this.facts.element));
   }
 
@@ -44,10 +42,7 @@ export class DeviceDetails {
   update(changes) {
     if (changes.cell) this.#forgetExecutors();
     if (changes.cell || changes.whole || changes.devices.has(this.#name) || changes.modules.size > 0) this.#showAll();
-    else if (changes.measures) {
-      this.#showModules();
-      this.#showExecutors();
-    }
+    else if (changes.measures) this.#showExecutors();
     if (changes.faults) this.faults.show(this.#name);
     if (changes.rights || changes.link) this.commands.update();
   }
@@ -62,21 +57,9 @@ export class DeviceDetails {
       ["takt-host", device?.host_process_id ? `process ${device.host_process_id}` : device ? "none" : ""],
       ["host restarts", count(device?.host_restarts)],
     ]);
-    this.#showModules();
     this.commands.update();
     this.faults.show(this.#name);
     this.#showExecutors();
-  }
-
-  /// Updates the list of modules. Reuses the existing elements, so that a focused element keeps the focus.
-  #showModules() {
-    const modules = this.#store.modulesOf(this.#name);
-    const names = modules.map((module) => module.name);
-    if (names.join() !== [...this.#modules.keys()].join()) {
-      this.#modules = new Map(names.map((name) => [name, new Mark()]));
-      this.modules.replaceChildren(...modules.map(({ name, label }) => element("li", {}, linkTo(name, label), this.#modules.get(name).element)));
-    }
-    for (const module of modules) this.#modules.get(module.name).show(lookOfModule(this.#store.shown(module)));
   }
 
   #forgetExecutors() {

@@ -3,6 +3,7 @@
 import { duration } from "./words.js";
 
 const kSigns = { EXECUTING: "executing", START: "start", INITIALIZE: "initialize", IDLE: "idle", RECOVER: "recover", DESTRUCT: "destruct" };
+const kWorst = ["bad", "poor", "plain", "faint", "good"];
 /// The look of the rating that the gateway sends with each device and module.
 const kLooks = { good: "good", idle: "plain", poor: "poor", bad: "bad" };
 const kLost = { look: "bad", sign: "lost" };
@@ -25,6 +26,11 @@ export function lookOfDevice(device) {
   if (look === "bad") return { key: "failed", word: `${device.state}, failed`, look, sign: "recover" };
   if (look === "poor") return { key: "degraded", word: `${device.state}, degraded`, look, sign: "poor" };
   return { key: device.state, word: device.state, look, sign: look === "good" ? "executing" : "wait" };
+}
+
+/// The place of a look in the order from the worst to the best.
+export function rankOf({ look }) {
+  return kWorst.indexOf(look);
 }
 
 export function lookOfSeverity(severity) {

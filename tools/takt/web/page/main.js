@@ -10,7 +10,7 @@ import { Graph } from "./graph.js";
 import { lookOfLink } from "./looks.js";
 import { Modules } from "./modules.js";
 import { Plots } from "./plots.js";
-import { addressOf, alter, currentRoute } from "./route.js";
+import { addressOf, alter, currentRoute, keepParameters } from "./route.js";
 import { SharedStream } from "./shared_stream.js";
 import { Speaker } from "./speaker.js";
 import { Store } from "./store.js";
@@ -18,6 +18,7 @@ import { Stream } from "./stream.js";
 import { summaryOf } from "./summary.js";
 import { Table } from "./table.js";
 import { followTheme } from "./theme.js";
+import { Tree } from "./tree.js";
 import { Wall } from "./wall.js";
 import { clock } from "./words.js";
 
@@ -25,6 +26,8 @@ const byId = (name) => document.getElementById(name);
 const store = new Store();
 const speaker = new Speaker(byId("spoken"));
 const details = new Details(byId("details"), store);
+const tree = new Tree(byId("tree"), store);
+const narrow = matchMedia("(max-width: 900px)");  // the tree and the details are sheets
 const views = {
   cell: { title: "Cell", view: new Graph(store) },
   modules: { title: "Modules", view: new Modules(store) },
@@ -48,9 +51,14 @@ function showRoute() {
     shown = view;
   }
   const selected = wall ? null : route.parameters.get("select");
-  byId("main").classList.toggle("split", Boolean(selected));
+  byId("details-button").hidden = !selected;
   view.show(route.parameters);
   details.show(selected);
+  tree.show();
+  if (narrow.matches) {
+    fold("tree", true);
+    fold("details", false);
+  } else showFolds();
   for (const tab of byId("tabs").children) {
     const is = tab.dataset.view === name;
     setAttribute(tab, "aria-selected", String(is));
@@ -67,6 +75,28 @@ function makeTabs() {
     }));
   }
   arrows(byId("tabs"), "a", { across: true, chosen: (tab) => tab.click() });
+}
+
+/// A folded column stays folded on this computer. On a narrow screen, where the columns are sheets, each selection begins anew.
+const isFolded = (name) => (localStorage.getItem(`takt-${name}`) ?? (name === "tree" && innerWidth < 1280 ? "folded" : "")) === "folded";
+
+function fold(name, folded) {
+  if (!narrow.matches) localStorage.setItem(`takt-${name}`, folded ? "folded" : "open");
+  byId(name).classList.toggle("folded", folded);
+  setAttribute(byId(`${name}-button`), "aria-expanded", String(!folded));
+}
+
+function showFolds() {
+  for (const name of ["tree", "details"]) {
+    byId(name).classList.toggle("folded", isFolded(name));
+    setAttribute(byId(`${name}-button`), "aria-expanded", String(!isFolded(name)));
+  }
+}
+
+function findInTree() {
+  fold("tree", false);
+  tree.filter.focus();
+  tree.filter.select();
 }
 
 const link = new Mark();
@@ -135,17 +165,25 @@ function listen() {
 store.listen((changes) => {
   showHeader(changes);
   shown?.update(changes);
+  tree.update(changes);
   details.update(changes);
   if (changes.cell) document.title = `${views[currentRoute().view]?.title ?? "Cell"} - ${store.cell?.cell ?? "Takt"}`;
 });
 keepToken();
+keepParameters();
 makeTabs();
+for (const name of ["tree", "details"]) byId(`${name}-button`).addEventListener("click", () => fold(name, !byId(name).classList.contains("folded")));
+narrow.addEventListener("change", showRoute);
 followTheme(byId("theme"), () => {
   shown?.redraw?.();
   details.redraw();
 });
 addEventListener("hashchange", showRoute);
 addEventListener("keydown", (event) => {
+  if (event.key === "/" && !event.target.closest("input, select, dialog") && !wall) {
+    event.preventDefault();
+    findInTree();
+  }
   if (event.key !== "Escape" || event.target.closest("dialog") || !currentRoute().parameters.has("select")) return;
   const back = details.name;
   alter({ select: null });

@@ -119,7 +119,7 @@ export class Plot {
       },
       drawCallback: (graph) => {
         const [from, to] = graph.xAxisRange();
-        if (!this.showing && (from !== this.#window[0] || to !== this.#window[1])) this.moved(from, to);
+        if (!this.showing && (from !== this.#window[0] || to !== this.#window[1])) this.moved?.(from, to);
       },
       zoomCallback: (from, to, [range]) => {
         if (from === this.#window[0] && to === this.#window[1]) this.#zoomed = range;

@@ -2,6 +2,8 @@
 
 import { element } from "./dom.js";
 
+const kKept = ["select", "watch", "at"];  // the parameters that stay when the user opens another view
+
 export function currentRoute() {
   const match = location.hash.match(/^#\/([a-z]+)(?:\?(.*))?$/);
   return { view: match?.[1] ?? "cell", parameters: new URLSearchParams(match?.[2] ?? "") };
@@ -11,6 +13,16 @@ export function addressOf(view, parameters = {}) {
   const given = Object.entries(parameters).filter(([, value]) => value !== null && value !== undefined && value !== "");
   const text = new URLSearchParams(given).toString();
   return text ? `#/${view}?${text}` : `#/${view}`;
+}
+
+/// Makes every link to a view keep the selection, the watch list and the instant of the current address, unless the link has its own.
+export function keepParameters() {
+  document.addEventListener("click", (event) => {
+    const link = event.target.closest?.('a[href^="#/"]');
+    const [view, own] = link?.getAttribute("href").slice(2).split("?") ?? [];
+    const kept = [...currentRoute().parameters].filter(([name]) => kKept.includes(name));
+    if (view) link.href = addressOf(view, Object.fromEntries([...kept, ...new URLSearchParams(own)]));
+  }, true);
 }
 
 /// Creates a link that selects a module or device. The current view and its filters stay.

@@ -2,14 +2,11 @@
 // last fault. The size of the text depends on the width of the screen and on the number of devices.
 
 import { element, Mark, setAttribute, setText } from "./dom.js";
-import { lookOfDevice, lookOfModule, lookOfSeverity } from "./looks.js";
+import { lookOfDevice, lookOfModule, lookOfSeverity, rankOf } from "./looks.js";
 import { clock } from "./words.js";
 
-const kWorst = ["bad", "poor", "plain", "faint", "good"];
 const kListed = 3;   // modules that a tile names
 const kTiles = 12;   // tiles that fit at full size
-
-const rank = (look) => kWorst.indexOf(look.look);
 
 class Tile {
   constructor(name) {
@@ -23,10 +20,11 @@ class Tile {
   show(name, store) {
     const look = lookOfDevice(store.devices.get(name));
     const modules = store.modulesOf(name).map((module) => ({ module, look: lookOfModule(store.shown(module)) }));
-    const trouble = modules.filter(({ look }) => look.look !== "good").sort((a, b) => rank(a.look) - rank(b.look));
-    this.rank = Math.min(rank(look), ...trouble.map(({ look }) => rank(look)));
+    const trouble = modules.filter(({ look }) => look.look !== "good").sort((a, b) => rankOf(a.look) - rankOf(b.look));
+    const worst = [look, ...trouble.map((one) => one.look)].sort((a, b) => rankOf(a) - rankOf(b))[0];
+    this.rank = rankOf(worst);
     this.mark.show(look);
-    setAttribute(this.element, "data-look", kWorst[this.rank]);
+    setAttribute(this.element, "data-look", worst.look);
     setText(this.count, `${modules.length - trouble.length} of ${modules.length} EXECUTING`);
     const lost = look.key === "lost" || look.key === "none";  // one word for the device says the same about its modules
     const lines = lost ? [] : trouble.slice(0, kListed).map(({ module, look }) => ({ name: module.label, look }));
