@@ -899,20 +899,20 @@ class Web(takt_system.Case):
         web = self.serve()
         page = self.look()
         found = page.wait_script("""
-            Promise.all([import("/plots.js"), import("/value_rows.js")]).then(async ([{Plots}, {ValueRows}]) => {
+            Promise.all([import("/plots.js"), import("/ports.js"), import("/value_rows.js")]).then(async ([{Plots}, {Ports}, {ValueRows}]) => {
               const hour = 3600000, begin = Date.UTC(2024, 0, 1);
-              const store = {deviceNames: [], now: begin + 6 * hour, stream: null};
+              const store = {deviceNames: [], now: begin + 6 * hour, ports: new Ports()};
               history.replaceState(null, "", "#/plots?series=a.b.c.x,a.b.c.y&range=14400");
               const view = new Plots(store);
               document.querySelector("#view").replaceChildren(view.element);
               view.show(new URLSearchParams(location.hash.split("?")[1]));
-              view.takePort({port: "a.b.c", type: "T", fields: [{name: "x"}, {name: "y"}]});
+              store.ports.take("port", {port: "a.b.c", type: "T", fields: [{name: "x"}, {name: "y"}]});
               // 6 h at 20 Hz. x has a peak of one sample each minute; y has one in all, 3 h ago.
               for (let from = 0; from < 6 * hour; from += 10000) {
                 const times_ms = Array.from({length: 200}, (_, i) => begin + from + i * 50);
                 const at = (time, i) => (time - begin) % 60000 === 30050 ? 5 + (time - begin - 30050) / 60000 : Math.sin(i);
                 const once = (time) => time === begin + 3 * hour + 50 ? -7 : 1;
-                view.takePoints({port: "a.b.c", whole: from === 0, times_ms, values: [times_ms.map(at), times_ms.map(once)]});
+                store.ports.take("points", {port: "a.b.c", whole: from === 0, times_ms, values: [times_ms.map(at), times_ms.map(once)]});
               }
               view.redraw();
               const cells = () => [...document.querySelectorAll(".legend-table td")].map((cell) => cell.textContent);

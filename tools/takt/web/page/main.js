@@ -137,8 +137,6 @@ async function askRights() {
 }
 
 function take(name, data) {
-  if (name === "port") views.plots.view.takePort(data);
-  if (name === "points") views.plots.view.takePoints(data);
   if (name === "state") speaker.take(data);
   store.take(name, data);
 }
@@ -158,11 +156,12 @@ function listen() {
   const alone = () => begin(new Stream(take, follow));
   if (globalThis.SharedWorker) begin(new SharedStream(take, follow, alone));
   else alone();
-  store.choose = (ports) => stream.choose(ports);
+  store.ports.choose = (ports) => stream.choose(ports);
   document.addEventListener("visibilitychange", () => stream.rest(document.hidden));
 }
 
 store.listen((changes) => {
+  if (changes.cell) store.ports.ask();  // the gateway has dropped the ports of the former cell
   showHeader(changes);
   shown?.update(changes);
   tree.update(changes);

@@ -4,8 +4,8 @@ import { get } from "./api.js";
 import { element, setAttribute, setText } from "./dom.js";
 import { Plot, sampleOf } from "./plot.js";
 import { csvOf, download, pictureOf } from "./plot_export.js";
+import { portOf } from "./ports.js";
 import { adjust } from "./route.js";
-import { ValueRows } from "./value_rows.js";
 import { clock, digits, duration, listed } from "./words.js";
 
 const kSpans_s = [1, 10, 60, 300, 900, 3600, 14400];
@@ -13,19 +13,15 @@ const kSpan_s = 300;
 const kFields = 4;  // number of fields of a port that are shown at first
 const kPorts = 8;   // limit of the ports of a page
 const kLongest_ms = 4 * 3600000, kShortest_ms = 100;
-const kAgain_ms = 3000;
 const kTick_ms = 100;
 const kRedraw_ms = 5000;  // curves are drawn at least this often, even if they have not yet moved by a pixel
 const kValues = ["value", "minimum", "maximum", "at mark", "difference"];
 const kHint = "Drag to zoom, Shift+drag or a finger to pan, Ctrl+wheel or two fingers to zoom, click to mark, double-click to follow. "
   + "Keys on a plot: \u2190 \u2192 cursor, Enter mark, Shift+\u2190 \u2192 pan, + \u2212 zoom, Space pause, Home follow.";
 
-/// The port of a series, as device.module.port.field.
-const portOf = (series) => series.split(".", 3).join(".");
-
 export class Plots {
   #store;
-  #ports = new Map();   // the values of each requested port: {rows, fields, type}
+  #ports = [];          // names of the ports
   #chosen = [];         // names of the series
   #series = [];         // those that are known
   #plots = [];
@@ -74,27 +70,25 @@ export class Plots {
     this.#end = Number(parameters.get("end")) || null;
     this.#stacked = parameters.get("stacked") === "1";
     [this.#cursor, this.#mark] = [null, null];
-    this.#follow(new Set(ports));
+    this.#follow(ports);
     clearInterval(this.timer);
     this.timer = setInterval(() => this.#tick(), kTick_ms);  // moves the time axis even if no values arrive
   }
 
   hide() {
     clearInterval(this.timer);
-    this.#follow(new Set());
+    this.#follow([]);
   }
 
   update(changes) {
     // If the last request for the ports failed, ask again after each change of a device, because it may answer now.
     if (changes.cell || changes.whole || (changes.devices.size > 0 && this.#listed === "")) this.#askPorts();
-    if (changes.cell && this.#ports.size > 0) this.#ask();  // a new cell: the gateway has dropped the chosen ports
   }
 
-  /// Handles the stream's event `port`, the description of a port. takePoints() handles the event `points`, its values.
-  takePort({ port, type, fields }) {
-    if (!this.#ports.has(port)) return;
-    this.#ports.set(port, { type, fields, rows: new ValueRows() });
+  /// The port's fields are known.
+  described(port) {
     if (port === this.#new || !this.#chosen.some((name) => portOf(name) === port)) {
+      const { fields } = this.#store.ports.get(port);
       if (port === this.#new) this.#new = null;
       this.#chosen.push(...fields.slice(0, kFields).map(({ name }) => `${port}.${name}`).filter((name) => !this.#chosen.includes(name)));
       this.#save();
@@ -102,14 +96,12 @@ export class Plots {
     this.#build();
   }
 
-  takePoints({ port, whole, times_ms, values }) {
-    const at = this.#ports.get(port);
-    if (!at?.rows) return;
-    if (whole) {
-      at.rows = new ValueRows();
-      for (const series of this.#series) if (series.port === port) series.rows = at.rows;
-    }
-    at.rows.add(times_ms, values);
+  answered() {
+    const name = this.#ports.find((port) => this.#store.ports.problem(port));
+    const problem = this.#store.ports.problem(name) ?? this.#store.ports.problem("");
+    if (this.#ports.length === 0 || !(problem || this.refused)) return;
+    this.refused = Boolean(problem);
+    setText(this.status, problem ? [problem.what, problem.fix].filter(Boolean).join("; ") : "waiting for values ...");
   }
 
   redraw() {
@@ -134,35 +126,26 @@ export class Plots {
 
   #add(port) {
     this.port.value = "";
-    if (!port || this.#ports.has(port)) return;
-    if (this.#ports.size === kPorts) setText(this.status, `A page plots at most ${kPorts} ports. Remove one first.`);
-    else this.#follow(new Set([...this.#ports.keys(), port]));
+    if (!port || this.#ports.includes(port)) return;
+    if (this.#ports.length === kPorts) setText(this.status, `A page plots at most ${kPorts} ports. Remove one first.`);
+    else this.#follow([...this.#ports, port]);
   }
 
   #remove(port) {
     this.#chosen = this.#chosen.filter((name) => portOf(name) !== port);
-    this.#follow(new Set([...this.#ports.keys()].filter((one) => one !== port)));
+    this.#follow(this.#ports.filter((one) => one !== port));
     this.#save();
   }
 
-  /// Requests the values of these ports, and drops those of the others.
+  /// Requests the values of these ports.
   #follow(ports) {
-    const before = [...this.#ports.keys()];
-    for (const port of before) if (!ports.has(port)) this.#ports.delete(port);
-    for (const port of ports) if (!this.#ports.has(port)) this.#ports.set(port, {});
-    this.#build();
-    if (String(before) !== String([...this.#ports.keys()])) this.#ask();
-  }
-
-  /// Requests the values until the gateway accepts: the device of a port may start after this page.
-  async #ask() {
-    clearTimeout(this.again);
-    const ports = [...this.#ports.keys()];
+    const known = ports.filter((port) => !this.#ports.includes(port) && this.#store.ports.get(port)?.fields);
+    this.#ports = ports;
     if (ports.length > 0) setText(this.status, "waiting for values ...");
-    const [problem] = await this.#store.choose(ports);
-    if (!problem || String(ports) !== String([...this.#ports.keys()])) return;
-    setText(this.status, [problem.what, problem.fix].filter(Boolean).join("; "));
-    this.again = setTimeout(() => this.#ask(), kAgain_ms);
+    this.#store.ports.want(this, ports);
+    this.#build();
+    for (const port of known) this.described(port);  // another part of the page shows the port, too
+    this.answered();
   }
 
   #change(change) {
@@ -181,12 +164,12 @@ export class Plots {
     for (const plot of this.#plots) plot.destroy();
     this.#series = this.#chosen.map((name, index) => {
       const port = portOf(name);
-      const { rows, fields } = this.#ports.get(port) ?? {};
+      const { rows, fields } = this.#store.ports.get(port) ?? {};
       const column = (fields ?? []).findIndex((field) => `${port}.${field.name}` === name);
       return { name, port, index, rows, column: column + 1, labels: fields?.[column]?.labels };
     }).filter(({ column }) => column > 0);
-    if (this.#ports.size === 0) setText(this.status, "Choose a port. The page then plots its values.");
-    const unknown = this.#chosen.filter((name) => this.#ports.get(portOf(name))?.fields && !this.#series.some((series) => series.name === name));
+    if (this.#ports.length === 0) setText(this.status, "Choose a port. The page then plots its values.");
+    const unknown = this.#chosen.filter((name) => this.#store.ports.get(portOf(name))?.fields && !this.#series.some((series) => series.name === name));
     if (unknown.length > 0) setText(this.status, `${listed(unknown)}: the port has no such field`);
     const groups = this.#stacked ? this.#series.map((one) => [one]) : [this.#series].filter((all) => all.length > 0);
     this.#plots = groups.map((series) => new Plot({
@@ -201,7 +184,7 @@ export class Plots {
     this.cells = this.#series.map(() => kValues.map((label) => element("td", { class: "number", "data-label": label })));
     this.body.replaceChildren(...this.#series.map(({ name, index }, i) => element("tr", {},
       element("th", { scope: "row" }, sampleOf(index), name), ...this.cells[i])));
-    this.choice.replaceChildren(...[...this.#ports].map(([port, { type, fields }]) => element("fieldset", { class: "fields" },
+    this.choice.replaceChildren(...this.#ports.map((port) => [port, this.#store.ports.get(port) ?? {}]).map(([port, { type, fields }]) => element("fieldset", { class: "fields" },
       element("legend", {}, `${port}${type ? ` (${type})` : ""}`),
       ...(fields ?? []).map(({ name }) => element("label", { dataset: { name: `${port}.${name}` } }, element("input", {
         type: "checkbox", checked: this.#chosen.includes(`${port}.${name}`),
@@ -219,7 +202,7 @@ export class Plots {
   #toggle(name, on) {
     // The series of a port keep the order of its fields.
     const wanted = new Set(on ? [...this.#chosen, name] : this.#chosen.filter((one) => one !== name));
-    this.#chosen = [...this.#ports].flatMap(([port, { fields }]) => (fields ?? []).map((field) => `${port}.${field.name}`)).filter((one) => wanted.has(one));
+    this.#chosen = this.#ports.flatMap((port) => (this.#store.ports.get(port)?.fields ?? []).map((field) => `${port}.${field.name}`)).filter((one) => wanted.has(one));
   }
 
   get #now() {

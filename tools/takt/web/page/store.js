@@ -1,6 +1,8 @@
 // The last known state of the cell. Each event from the gateway updates the state at once. The store notifies the views once per frame, so
 // that they draw a burst of changes only once.
 
+import { Ports } from "./ports.js";
+
 const kFaults = 2000;
 const kSteps = 50;       // per module
 const kTrend = 120;      // seconds
@@ -22,7 +24,7 @@ const runs = (device) => device?.alive === true && device.state === "running";
 export class Store {
   link = "connecting";
   linkSince = Date.now();
-  choose = async () => [];  // see Stream.choose()
+  ports = new Ports();
   rights = { command: false, why: "takt web has not answered yet" };
   cell = null;
   /// Devices by name, each as the gateway sends it.
@@ -73,6 +75,7 @@ export class Store {
     else if (name === "measures") this.takeMeasures(data);
     else if (name === "trends") this.takeTrends(data);
     else if (name === "faults") this.takeFaults(data);
+    else this.ports.take(name, data);
   }
 
   change(act) {

@@ -26,6 +26,10 @@ export class ValueRows {
     this.#rows = kept.concat([this.#rows.slice(begin)]).flat();
   }
 
+  clear() {
+    [this.#rows, this.#thinned_ms] = [[], 0];
+  }
+
   append(other) {
     this.#rows.push(...other.#rows);
   }
