@@ -21,7 +21,7 @@ from browser import Browser
 
 TOKEN = "a-token-that-only-this-test-knows"
 MODULES = ("robot.source", "robot.tuned", "robot.program", "line.sink", "line.fails")
-VIEWS = ("cell", "modules", "connections", "faults", "table", "plots")
+VIEWS = ("cell", "modules", "connections", "faults", "table", "plots", "watch")
 VALUE = ".legend-table td[data-label=value]"
 
 # This script counts the pixels of the first plot that have a colour of page.css.
@@ -516,6 +516,50 @@ class Web(takt_system.Case):
             page.wait_for("#details h2", r"^line\.fails$")
             wait_until(lambda: not page.texts("[role=treeitem]"), "the tree to be closed")
         self.finish(web)
+
+    def test_the_details_show_the_values_of_ports_and_a_star_puts_them_on_the_watch_list(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("#/plots?port=robot.source.out")
+        page.wait_for(VALUE, r"^\d+$")
+
+        def number(field):
+            return int(page.wait_for(field + " .value", r"^\d+$"))
+        # The values of an output, and, for an input, the values of the output that is connected to it.
+        for module, direction in (("robot.source", "writes"), ("line.sink", "reads")):
+            page.go("#/connections?select=" + module)
+            page.wait_for("#details .ports li", " %s " % direction)
+            first = number("#details [data-field='robot.source.out.number']")
+            wait_until(lambda: number("#details [data-field='robot.source.out.number']") > first + 50, "newer values")
+        wait_until(lambda: page.script("""
+            const canvas = document.querySelector("#details [data-field='robot.source.out.number'] canvas");
+            return canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.some((of) => of > 0)"""), "the trend")
+        page.go("#/connections")
+        page.click("tr[data-connection='0'] .ends")
+        page.wait_for("#details h2", "^robot.source.out \u2192 line.sink.in$")
+        page.wait_for("#details .facts dd", "latest, .*deadline 500 ms")
+        number("#details [data-field='robot.source.out.number']")
+
+        # The watch list stays in the address, so it survives another view and a reload.
+        page.click("button[aria-label='watch robot.source.out.number']")
+        page.wait_for_attribute("button[aria-label='watch robot.source.out.number']", "aria-pressed", "true")
+        page.press(Keys.ESCAPE)
+        page.click("#tab-watch")
+        self.assertEqual(["robot.source.out.number"], page.texts(".watch tbody th"))
+        first = number(".watch")
+        wait_until(lambda: number(".watch") > first + 50, "newer values")
+        page.click("#tab-faults")
+        address = page.script("return location.href")
+        page.open("about:blank")
+        page.open(address.replace("/faults", "/watch"))
+        number(".watch")
+        page.wait_for(".watch .age", "^< 1 s$")
+        page.click(".tools a")
+        page.wait_for(VALUE, r"^\d+$")
+        page.click("#tab-watch")
+        page.click(".watch .star")
+        page.wait_for(".tools [role=status]", "^Nothing is watched")
+        self.finish(web, apart=("willReadFrequently",))
 
     @takt_system.quiet("the browser competes with other tests for the CPUs")
     def test_the_web_page_marks_its_data_as_outdated_while_the_gateway_is_unreachable(self):

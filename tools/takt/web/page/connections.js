@@ -2,7 +2,7 @@
 
 import { arrows, Bar, element, Mark, setAttribute, setText } from "./dom.js";
 import { ageOf, lookOfConnection } from "./looks.js";
-import { addressOf, adjust } from "./route.js";
+import { adjust, alter, linkTo, nameOfConnection } from "./route.js";
 import { count, exact, several } from "./words.js";
 
 class Row {
@@ -12,11 +12,10 @@ class Row {
     this.mark = new Mark();
     this.age = new Bar();
     this.numbers = ["lost", "dropped", "late"].map((what) => ({ what, cell: element("td", { class: "number", dataset: { label: what } }) }));
-    const end = (name) => name === null || name === undefined ? element("span", { class: "faint", text: "outside" }) :
-      element("a", { href: addressOf("plots", { port: name }), text: name });
-    this.element = element("tr", { dataset: { connection: index }, tabindex: "-1" },
-      element("th", { scope: "row" }, element("div", { class: "ends" }, element("span", {}, end(connection.from)), element("span", {}, "\u2192 ", end(connection.to))),
-        element("div", { class: "faint small", text: connection.text ?? connection.kind })),
+    this.link = linkTo(nameOfConnection(connection), "", { class: "ends" });
+    this.link.append(element("span", { text: connection.from ?? "outside" }), element("span", { text: `\u2192 ${connection.to ?? "outside"}` }));
+    this.element = element("tr", { dataset: { connection: index } },
+      element("th", { scope: "row" }, this.link, element("div", { class: "faint small", text: connection.text ?? connection.kind })),
       element("td", {}, this.mark.element), element("td", { dataset: { label: "age" } }, this.age.element), ...this.numbers.map(({ cell }) => cell));
   }
 
@@ -38,7 +37,7 @@ export class Connections {
   constructor(store) {
     this.#store = store;
     this.filter = element("input", { type: "search", placeholder: "port or health", "aria-label": "filter by port or health",
-      on: { input: () => { adjust({ filter: this.filter.value, at: null }); this.#arrange(); } } });
+      on: { input: () => { adjust({ filter: this.filter.value }); this.#arrange(); } } });
     this.shown = element("span", { class: "faint", role: "status" });
     this.body = element("tbody");
     const head = (text) => element("th", { scope: "col", text });
@@ -46,23 +45,30 @@ export class Connections {
       element("table", { class: "list connections" }, element("caption", { class: "unseen", text: "connections of the cell" }),
         element("thead", {}, element("tr", {}, head("from \u2192 to"), head("health"), head("age of the newest value"), head("lost"),
           head("dropped"), head("late"))), this.body));
-    arrows(this.body, "tr");
+    arrows(this.body, "a");
+    this.body.addEventListener("click", (event) => {
+      const row = this.#rows.find(({ element: { dataset } }) => dataset.connection === event.target.closest("tr")?.dataset.connection);
+      if (row && !event.target.closest("a")) alter({ select: nameOfConnection(row.connection) });
+    });
   }
 
   show(parameters) {
     if (this.filter.value !== (parameters.get("filter") ?? "")) this.filter.value = parameters.get("filter") ?? "";
     this.#rebuild();
-    const at = this.#rows.find((row) => String(row.index) === parameters.get("at"));
-    for (const row of this.#rows) row.element.classList.toggle("selected", row === at);
-    if (at) {
-      at.element.scrollIntoView({ block: "center" });
-      at.element.focus({ preventScroll: true });
+    for (const row of this.#rows) {
+      const is = nameOfConnection(row.connection) === parameters.get("select");
+      if (is && !row.element.classList.contains("selected")) row.element.scrollIntoView({ block: "nearest" });
+      row.element.classList.toggle("selected", is);
     }
   }
 
   update(changes) {
     if (changes.cell) this.#rebuild();
     else if (changes.measures) this.#showHealth();
+  }
+
+  focusOn(name) {
+    this.#rows.find((row) => nameOfConnection(row.connection) === name)?.link.focus();
   }
 
   #rebuild() {
@@ -93,7 +99,7 @@ export class Connections {
     const focused = document.activeElement;
     this.body.replaceChildren(...shown.map((row) => row.element));
     if (focused !== document.activeElement && this.body.contains(focused)) focused.focus({ preventScroll: true });
-    shown.forEach((row, i) => setAttribute(row.element, "tabindex", i === 0 ? "0" : "-1"));
+    shown.forEach((row, i) => setAttribute(row.link, "tabindex", i === 0 ? "0" : "-1"));
   }
 }
 

@@ -1,7 +1,8 @@
-// Shows all data of the selected module or device. On a wide screen it is beside the view, on a narrow screen it is a
+// Shows all data of the selected module, device or connection. On a wide screen it is beside the view, on a narrow screen it is a
 // sheet below the view.
 
 import { element } from "./dom.js";
+import { ConnectionDetails } from "./connection_details.js";
 import { DeviceDetails } from "./device_details.js";
 import { ModuleDetails } from "./module_details.js";
 import { alter } from "./route.js";
@@ -14,22 +15,26 @@ export class Details {
     this.place = place;
     this.module = new ModuleDetails(store);
     this.device = new DeviceDetails(store);
+    this.connection = new ConnectionDetails(store);
     this.title = element("h2", { tabindex: "-1" });
     this.body = element("div");
     const close = element("button", { type: "button", class: "close", text: "Close", on: { click: () => alter({ select: null }) } });
     place.append(element("div", { class: "heading" }, this.title, close), this.body);
   }
 
-  /// Shows the details of `name`: "device.module" or "device". null closes the details.
+  /// Shows the details of `name`: "device.module", "device" or a connection, "from>to". null closes the details.
   show(name) {
     this.place.hidden = name === null;
-    if (name === this.name) return;
+    if (name === this.name) {
+      this.#shown?.ports?.showStars();
+      return;
+    }
     const first = this.name === null;
     this.name = name;
     this.#shown?.hide();
-    this.#shown = name === null ? null : name.includes(".") ? this.module : this.device;
+    this.#shown = name === null ? null : name.includes(">") ? this.connection : name.includes(".") ? this.module : this.device;
     if (!this.#shown) return;
-    this.title.textContent = name;
+    this.title.textContent = name.replace(">", " \u2192 ");
     this.body.replaceChildren(this.#shown.element);
     this.#shown.show(name);
     this.place.scrollTop = 0;

@@ -20,6 +20,7 @@ import { Table } from "./table.js";
 import { followTheme } from "./theme.js";
 import { Tree } from "./tree.js";
 import { Wall } from "./wall.js";
+import { Watch } from "./watch.js";
 import { clock } from "./words.js";
 
 const byId = (name) => document.getElementById(name);
@@ -35,6 +36,7 @@ const views = {
   faults: { title: "Faults", view: new Faults(store) },
   table: { title: "Table", view: new Table(store) },
   plots: { title: "Plots", view: new Plots(store) },
+  watch: { title: "Watch", view: new Watch(store) },
 };
 const wall = new URLSearchParams(location.search).has("wall") ? { title: "Cell", view: new Wall(store) } : null;
 document.body.classList.toggle("wall", wall !== null);

@@ -4,16 +4,18 @@ import { get } from "./api.js";
 import { Bar, element, Mark, setText } from "./dom.js";
 import { Distributions, Facts } from "./facts.js";
 import { LastFaults } from "./last_faults.js";
-import { lookOfConnection, lookOfModule, useOf } from "./looks.js";
+import { lookOfModule, useOf } from "./looks.js";
 import { Commands } from "./commands.js";
 import { Properties } from "./properties.js";
 import { Plot, sampleOf } from "./plot.js";
+import { PortList } from "./port_list.js";
 import { addressOf } from "./route.js";
 import { ValueRows } from "./value_rows.js";
 import { clock, count, exact, instant, number } from "./words.js";
 
 const kSpan_ms = 600000;
 const kAgain_ms = 2000;
+const kRows = 10;  // rows of the table that are listed
 const kLines = ["p50", "p99"];
 const kMeasures = ["jitter", "run"];
 
@@ -21,7 +23,6 @@ export class ModuleDetails {
   #store;
   #name = null;
   #rows = new ValueRows();  // p50 and p99 of the jitter and of the run time
-  #ports = null;  // null: not known yet
   #component = null;  // its file, version and hash; null: not known yet
 
   constructor(store) {
@@ -38,13 +39,13 @@ export class ModuleDetails {
     this.trends = kMeasures.map((measure, i) => this.#trend(measure === "run" ? "run time" : measure, i));
     this.faults = new LastFaults(store);
     this.table = element("a", { text: "runs of the module in the last macro period" });
-    this.ports = element("ul", { class: "ports" });
+    this.ports = new PortList(store);
     this.steps = element("ol", { class: "steps" });
     const part = (title, ...children) => element("section", {}, element("h3", { text: title }), ...children);
     this.element = element("div", { class: "module-details" }, this.mark.element, this.why, this.commands.element, this.faults.element,
       part("Measured", this.use.element, this.distributions.element, this.counts.element, element("p", {}, this.table)),
-      part("Jitter and run time in the last ten minutes", ...this.trends.map(({ figure }) => figure)),
-      part("Ports", this.ports), this.properties.element, part("State changes", this.steps), part("Descriptor", this.facts.element),
+      part("Ports", this.ports.element), this.properties.element,
+      part("Jitter and run time in the last ten minutes", ...this.trends.map(({ figure }) => figure)), part("State changes", this.steps), part("Descriptor", this.facts.element),
       part("Component", this.component.element));
   }
 
@@ -56,14 +57,15 @@ export class ModuleDetails {
     this.table.href = addressOf("table", { device, select: name });
     this.properties.hold(name);
     this.#askHistory();
-    [this.#ports, this.#component] = [null, null];
-    this.ports.replaceChildren(element("li", { class: "faint", text: "loading ..." }));
+    this.#component = null;
+    this.ports.hold(name);
     this.#askPorts();
     this.#showAll();
   }
 
   hide() {
     this.#name = null;
+    this.ports.hide();
   }
 
   update(changes) {
@@ -86,6 +88,7 @@ export class ModuleDetails {
   }
 
   redraw() {
+    this.ports.arrived();
     for (const { plot } of this.trends) plot.redraw();
   }
 
@@ -123,14 +126,24 @@ export class ModuleDetails {
     this.facts.show([
       ["type", about?.type], ["operation", about?.operation], ["period", about?.period_ns ? exact(about.period_ns) : ""],
       ["deadline", about?.deadline_ns ? exact(about.deadline_ns) : ""], ["priority", about?.priority],
-      ["executor", about?.executor], ["budget", about?.budget_ns ? exact(about.budget_ns) : about ? "none" : ""],
+      ["executor", about?.executor], ["rows of the table", this.#rowsOfTable()], ["budget", about?.budget_ns ? exact(about.budget_ns) : about ? "none" : ""],
     ]);
     this.#showComponent();
     this.#showState();
     this.faults.show(this.#name);
     this.#showMeasures();
-    this.#showPorts();
+    this.ports.rebuild();
     this.properties.update();
+  }
+
+  /// The rows of the executor's table in which the module runs.
+  #rowsOfTable() {
+    const [device, label] = this.#name.split(".");
+    const executors = this.#store.cell?.devices?.find((one) => one.name === device)?.executors ?? [];
+    const rows = executors.find((one) => one.name === this.#module?.about?.executor)?.rows ?? [];
+    const its = rows.flatMap((row, i) => (row.includes(label) ? [i] : []));
+    if (its.length === 0) return "";
+    return its.length === rows.length ? `all ${rows.length}` : `${its.slice(0, kRows).join(", ")}${its.length > kRows ? ", ..." : ""} of ${rows.length}`;
   }
 
   #showComponent() {
@@ -176,7 +189,7 @@ export class ModuleDetails {
     this.use.show(use.share, `p99 run time ${use.words}${of}`);
     this.counts.show(["cycles", "missed", "overruns", "over_budget", "errors", "recoveries"]
       .map((what) => [what.replace("_", " "), count(measures?.[what])]));
-    this.#showPortHealth();
+    this.ports.showHealth();
     for (const { plot } of this.trends) plot.show(this.#store.now - kSpan_ms, this.#store.now);
     this.#point(this.trends[0].plot.cursor ?? null);
   }
@@ -210,44 +223,14 @@ export class ModuleDetails {
     try {
       const { ports, components } = await get("api/ports", { device: name.split(".")[0] });
       if (name !== this.#name) return;
-      this.#ports = ports.filter((port) => port.name.startsWith(`${name}.`));
       this.#component = components[name] ?? null;
       this.#showComponent();
-      this.#showPorts();
+      this.ports.show(ports.filter((port) => port.name.startsWith(`${name}.`)));
     } catch (problem) {
       if (name !== this.#name) return;
-      this.#ports = null;
-      this.ports.replaceChildren(element("li", { class: "answer", "data-look": "bad", text: problem.text }));
+      this.ports.fail(problem.text);
       if (again) setTimeout(() => name === this.#name && this.#askPorts(false), kAgain_ms);
     }
-  }
-
-  /// Shows each port with its connections: the port at the other end, and the health.
-  #showPorts() {
-    if (this.#ports === null) return;
-    if (this.#ports.length === 0) {
-      this.ports.replaceChildren(element("li", { class: "faint", text: "none" }));
-      return;
-    }
-    this.ends = [];
-    this.ports.replaceChildren(...this.#ports.map((port) => {
-      const connections = [...(this.#store.cell?.connections ?? []).entries()]
-        .filter(([, { from, to }]) => from === port.name || to === port.name);
-      const lines = connections.map(([index, connection]) => {
-        const mark = new Mark();
-        this.ends.push({ index, mark });
-        const other = connection.from === port.name ? `\u2192 ${connection.to ?? "outside"}` : `\u2190 ${connection.from ?? "outside"}`;
-        return element("div", { class: "end" }, element("a", { href: addressOf("connections", { at: index }), text: other }), mark.element);
-      });
-      return element("li", {}, element("a", { href: addressOf("plots", { port: port.name }), text: port.name.slice(this.#name.length + 1) }),
-        element("span", { class: "faint", text: ` ${port.direction === "in" ? "reads" : "writes"} ${port.type}` }),
-        ...(lines.length > 0 ? lines : [element("div", { class: "end faint", text: "not connected" })]));
-    }));
-    this.#showPortHealth();
-  }
-
-  #showPortHealth() {
-    for (const { index, mark } of this.ends ?? []) mark.show(lookOfConnection(this.#store.connections.get(String(index))));
   }
 }
 
