@@ -561,6 +561,75 @@ class Web(takt_system.Case):
         page.wait_for(".tools [role=status]", "^Nothing is watched")
         self.finish(web, apart=("willReadFrequently",))
 
+    def test_the_strip_of_time_moves_the_faults_and_the_plots_to_an_instant(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("#/cell")
+        page.wait_for("#strip .caption", r"\b1 error\b")
+        self.done("stop robot.tuned")
+        page.go("#/faults?severity=all")
+        page.wait_for(".faults .what", "^command")
+        page.go("#/cell")
+
+        def at():
+            return page.script("return Number(new URLSearchParams(location.hash.split('?')[1]).get('at'))")
+        page.press_until(Keys.TAB, lambda focused: focused.startswith("instant that the page shows"))
+        told = []
+        for _ in range(100):  # from the newest event to the failure of line.fails, which is older than the command
+            before = at()
+            page.press(Keys.ARROW_LEFT)
+            wait_until(lambda: at() != before, "the event before")
+            told.append(page.wait_for("#strip .caption", "^[\\d:.]+ "))
+            if "failure" in told[-1]:
+                break
+        self.assertRegex("\n".join(told), r"robot\.tuned: command")
+        self.assertRegex(told[-1], r"^[\d:.]+ line\.fails: error: failure .*run")
+        page.wait_for("tr.selected .what", "failure")
+        self.assertEqual("true", page.attribute("#tab-faults", "aria-selected"), "the view Cell shows no past")
+        self.assertRegex(page.texts(".faults tbody tr")[0], "failure", "the list begins at the instant")
+        page.wait_for(".tools [role=status]", "; until [\\d:.]+$")
+        failed = at()
+
+        address = page.script("return location.href")
+        page.open("about:blank")
+        page.open(address)
+        page.wait_for("tr.selected .what", "failure")
+        page.click("#strip button")
+        wait_until(lambda: at() == 0, "the present")
+        page.wait_for_attribute("#strip button", "aria-pressed", "true")
+
+        # A click on the mark of the error does the same, and a second click returns to the present.
+        place = page.script("""
+            const canvas = document.querySelector(".marks");
+            const wanted = getComputedStyle(document.documentElement).getPropertyValue("--bad").match(/[0-9a-f]{2}/g);
+            const {data} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+            for (let i = 0; i < data.length; i += 4) {
+              if (data[i + 3] > 200 && wanted.every((of, j) => Math.abs(data[i + j] - parseInt(of, 16)) < 20)) {
+                return [i / 4 % canvas.width - canvas.width / 2, Math.floor(i / 4 / canvas.width) - canvas.height / 2];
+              }
+            }""")
+        marks = page.driver.find_element("css selector", ".marks")
+        ActionChains(page.driver).move_to_element_with_offset(marks, *map(round, place)).click().perform()
+        wait_until(lambda: at() == failed, "the instant of the failure")
+        page.go("#/plots?series=robot.source.out.number&at=%s" % failed)
+        page.wait_for(".at", "; mark at ")
+        self.assertEqual("true", page.attribute(".tools button", "aria-pressed"), "the plot stands still")
+        ActionChains(page.driver).move_to_element_with_offset(marks, *map(round, place)).click().perform()
+        wait_until(lambda: at() == 0, "the present")
+        self.assertEqual("false", page.attribute(".tools button", "aria-pressed"))
+
+        # takt web keeps only some events, so the strip says which time has none.
+        self.assertRegex(page.wait_script("""
+            Promise.all([import("/store.js"), import("/strip.js")]).then(([{Store}, {Strip}]) => {
+              const store = new Store();
+              const strip = new Strip(document.body.appendChild(document.createElement("section")), store);
+              const fault = (i) => ({device: "robot", module: "one", kind: "overrun", severity: "warning", time_ms: Date.now() - i * 1000, count: 1});
+              store.takeFaults({whole: true, events: Array.from({length: 500}, (_, i) => fault(i))});
+              strip.show();
+              done(strip.caption.textContent);
+            }).catch((error) => done(String(error)));"""), r"^500 warnings; takt web keeps the newest 500, so none from before [\d:]+$")
+        self.finish(web, apart=("willReadFrequently",))
+
     @takt_system.quiet("the browser competes with other tests for the CPUs")
     def test_the_web_page_marks_its_data_as_outdated_while_the_gateway_is_unreachable(self):
         web = self.serve()

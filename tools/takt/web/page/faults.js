@@ -44,6 +44,7 @@ export class Faults {
   }
 
   show(parameters) {
+    this.at = Number(parameters.get("at")) || Infinity;
     this.severity.value = parameters.get("severity") ?? "warning";
     this.#listDevices(parameters.get("device") ?? "");
     if (this.text.value !== (parameters.get("text") ?? "")) this.text.value = parameters.get("text") ?? "";
@@ -79,6 +80,7 @@ export class Faults {
   }
 
   #takes(event) {
+    if (event.time_ms > this.at) return false;
     if (this.severity.value === "error" && event.severity !== "error") return false;
     if (this.severity.value === "warning" && event.severity === "note") return false;
     if (this.device.value && event.device !== this.device.value) return false;
@@ -95,6 +97,7 @@ export class Faults {
     const lines = new Map();
     for (const event of taken.slice(0, this.#shown)) lines.set(event, this.#known.get(event) ?? this.#line(event));
     this.#known = lines;
+    for (const [event, line] of lines) line.classList.toggle("selected", event.time_ms === this.at);
     // Insert new lines at the top. Existing lines stay in the document, so that a focused line keeps the focus.
     let next = this.body.firstChild;
     const kept = new Set(lines.values());
@@ -115,7 +118,7 @@ export class Faults {
     if (!this.body.querySelector('[tabindex="0"]')) this.body.firstChild?.setAttribute("tabindex", "0");
     this.more.hidden = taken.length <= this.#shown;
     const filtered = taken.length < all.length ? `${taken.length} of ${several(all.length, "event")}` : several(all.length, "event");
-    setText(this.count, filtered + (this.#paused ? `; paused, ${this.#store.faultsCome - this.#come} new` : ""));
+    setText(this.count, filtered + (this.at < Infinity ? `; until ${instant(this.at)}` : "") + (this.#paused ? `; paused, ${this.#store.faultsCome - this.#come} new` : ""));
     setText(this.problems, this.#store.problems.join("; "));
     this.problems.hidden = this.#store.problems.length === 0;
   }

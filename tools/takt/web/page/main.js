@@ -15,6 +15,7 @@ import { SharedStream } from "./shared_stream.js";
 import { Speaker } from "./speaker.js";
 import { Store } from "./store.js";
 import { Stream } from "./stream.js";
+import { Strip } from "./strip.js";
 import { summaryOf } from "./summary.js";
 import { Table } from "./table.js";
 import { followTheme } from "./theme.js";
@@ -28,6 +29,7 @@ const store = new Store();
 const speaker = new Speaker(byId("spoken"));
 const details = new Details(byId("details"), store);
 const tree = new Tree(byId("tree"), store);
+const strip = new Strip(byId("strip"), store);
 const narrow = matchMedia("(max-width: 900px)");  // the tree and the details are sheets
 const views = {
   cell: { title: "Cell", view: new Graph(store) },
@@ -57,6 +59,7 @@ function showRoute() {
   view.show(route.parameters);
   details.show(selected);
   tree.show();
+  strip.show();
   if (narrow.matches) {
     fold("tree", true);
     fold("details", false);
@@ -167,6 +170,7 @@ store.listen((changes) => {
   showHeader(changes);
   shown?.update(changes);
   tree.update(changes);
+  strip.update(changes);
   details.update(changes);
   if (changes.cell) document.title = `${views[currentRoute().view]?.title ?? "Cell"} - ${store.cell?.cell ?? "Takt"}`;
 });
@@ -177,6 +181,7 @@ for (const name of ["tree", "details"]) byId(`${name}-button`).addEventListener(
 narrow.addEventListener("change", showRoute);
 followTheme(byId("theme"), () => {
   shown?.redraw?.();
+  strip.show();
   details.redraw();
 });
 addEventListener("hashchange", showRoute);

@@ -67,9 +67,10 @@ export class Plots {
     if (this.#new && ports.length < kPorts) ports.push(this.#new);
     const span_ms = Number(parameters.get("range")) * 1000;
     this.#range_ms = this.#span_ms = span_ms >= kShortest_ms && span_ms <= kLongest_ms ? span_ms : kSpan_s * 1000;
-    this.#end = Number(parameters.get("end")) || null;
+    const at = Number(parameters.get("at")) || null;  // the instant that the user chose on the strip of time is in the middle
+    this.#end = Number(parameters.get("end")) || (at && Math.min(at + this.#span_ms / 2, this.#store.now));
     this.#stacked = parameters.get("stacked") === "1";
-    [this.#cursor, this.#mark] = [null, null];
+    [this.#cursor, this.#mark] = [null, at];
     this.#follow(ports);
     clearInterval(this.timer);
     this.timer = setInterval(() => this.#tick(), kTick_ms);  // moves the time axis even if no values arrive
@@ -156,7 +157,7 @@ export class Plots {
 
   #save() {
     adjust({ port: null, series: this.#chosen.join(",") || null, range: this.#span_ms === kSpan_s * 1000 ? null : this.#span_ms / 1000,
-      end: this.#end && Math.round(this.#end), stacked: this.#stacked ? "1" : null });
+      end: this.#end && Math.round(this.#end), ...(this.#end ? {} : { at: null }), stacked: this.#stacked ? "1" : null });
   }
 
   /// Makes the plots, the legend and the choice of fields.

@@ -1,0 +1,149 @@
+// The strip of time below the view: the faults, losses, commands and deployments of the last hour, as marks by severity. A click on an instant
+// moves the faults and the values to this time.
+
+import { Canvas } from "./canvas.js";
+import { element, setAttribute, setText } from "./dom.js";
+import { shownInstant } from "./fields.js";
+import { lookOfSeverity } from "./looks.js";
+import { alter, currentRoute, go } from "./route.js";
+import { colour } from "./theme.js";
+import { clock, count, instant, several } from "./words.js";
+
+const kSpan_ms = 3600000;
+const kTick_ms = 600000;
+const kKept = 500;       // events that a page gets from takt web, which keeps no more
+const kNear = 8;         // pixels from a mark at which the pointer selects the mark
+const kLane = 12, kLanes = ["error", "warning", "note"];
+const kViews = ["faults", "plots", "watch"];  // the views that show an instant
+
+export class Strip {
+  #store;
+  #events = [];
+  #pointer = null;
+
+  constructor(place, store) {
+    this.#store = store;
+    this.canvas = new Canvas((context, width, height) => this.#draw(context, width, height), {
+      class: "marks", tabindex: "0", role: "slider", "aria-label": "instant that the page shows; the arrow keys move from event to event, End shows now",
+      "aria-valuemin": 0, "aria-valuemax": kSpan_ms / 1000,
+    });
+    this.caption = element("p", { class: "caption small", role: "status" });
+    this.live = element("button", { type: "button", text: "live", title: "show the present again", on: { click: () => this.#choose(null) } });
+    place.append(element("span", { class: "faint small", text: "last hour" }), this.canvas.element, this.live, this.caption);
+    this.canvas.element.addEventListener("pointermove", (event) => this.#point(event));
+    this.canvas.element.addEventListener("pointerleave", () => this.#point(null));
+    this.canvas.element.addEventListener("click", (event) => this.#click(event));
+    this.canvas.element.addEventListener("keydown", (event) => this.#press(event));
+  }
+
+  show() {
+    this.#showAll();
+  }
+
+  update(changes) {
+    if (changes.faults || changes.measures || changes.cell) this.#showAll();
+  }
+
+  #showAll() {
+    const from = this.#store.now - kSpan_ms;
+    const isLogged = ({ severity, kind }) => severity === "note" && kind.startsWith("log-");
+    this.#events = this.#store.faults.filter((event) => event.time_ms > from && !isLogged(event)).sort((a, b) => a.time_ms - b.time_ms);
+    // With fewer events, the page has all of the fault records.
+    this.oldest = this.#store.faults.length >= kKept ? Math.min(...this.#store.faults.map(({ time_ms }) => time_ms)) : 0;
+    setAttribute(this.live, "aria-pressed", String(shownInstant() === null));
+    this.canvas.redraw();
+    this.#say();
+  }
+
+  #x(time) {
+    return (1 - (this.#store.now - time) / kSpan_ms) * this.canvas.element.clientWidth;
+  }
+
+  /// The newest event of the nearest mark.
+  #near({ offsetX: x, offsetY: y }) {
+    const far = (event) => Math.abs(this.#x(event.time_ms) - x) + Math.abs(laneOf(event) - y);
+    return this.#events.filter((event) => Math.abs(this.#x(event.time_ms) - x) <= kNear).reduce((best, event) => (best && far(best) < far(event) ? best : event), undefined);
+  }
+
+  #click(event) {
+    const [at, near, x] = [shownInstant(), this.#near(event)?.time_ms, event.offsetX];
+    const again = at !== null && (near === at || Math.abs(this.#x(at) - x) <= kNear / 2);
+    this.#choose(again ? null : near ?? Math.round(this.#store.now - (1 - x / this.canvas.element.clientWidth) * kSpan_ms));
+  }
+
+  #press(event) {
+    const at = shownInstant();
+    const times = this.#events.map(({ time_ms }) => time_ms);
+    const next = { ArrowLeft: () => times.findLast((time) => at === null || time < at), ArrowRight: () => times.find((time) => at !== null && time > at),
+      Home: () => times[0], End: () => null }[event.key];
+    if (!next || event.altKey || event.ctrlKey || event.metaKey) return;
+    event.preventDefault();
+    const time = next();
+    if (time !== undefined) this.#choose(time);
+    else if (event.key === "ArrowRight") this.#choose(null);
+  }
+
+  #choose(at) {
+    const { view, parameters } = currentRoute();
+    const note = at !== null && this.#events.some(({ time_ms, severity }) => time_ms === at && severity === "note");
+    const also = { at, end: null, ...(note && (view === "faults" || !kViews.includes(view)) ? { severity: "all" } : {}) };
+    if (at === null || kViews.includes(view)) alter(also);
+    else go("faults", { select: parameters.get("select"), watch: parameters.get("watch"), ...also });
+  }
+
+  #point(event) {
+    this.#pointer = event;
+    this.#say();
+  }
+
+  /// Describes the event under the pointer, else the one at the shown instant, else all.
+  #say() {
+    const at = shownInstant();
+    const pointed = this.#pointer === null ? undefined : this.#near(this.#pointer);
+    const event = pointed ?? this.#events.findLast(({ time_ms }) => time_ms === at);
+    const kept = this.oldest > this.#store.now - kSpan_ms ? `; takt web keeps the newest ${kKept}, so none from before ${clock(this.oldest)}` : "";
+    const all = kLanes.map((name) => [name, this.#events.filter(({ severity }) => severity === name).length]).filter(([, n]) => n > 0);
+    const text = event ? said(event) : at !== null ? `at ${instant(at)}` : `${all.map(([name, n]) => several(n, name)).join(", ") || "no events"}${kept}`;
+    setText(this.caption, text);
+    setAttribute(this.caption, "data-look", event ? lookOfSeverity(event.severity).look : "faint");
+    setAttribute(this.canvas.element, "aria-valuenow", Math.round((this.#store.now - (at ?? this.#store.now)) / 1000));
+    setAttribute(this.canvas.element, "aria-valuetext", at === null ? `now; ${text}` : text);
+  }
+
+  #draw(context, width, height) {
+    const from = this.#store.now - kSpan_ms;
+    const lanes = kLane * kLanes.length;
+    context.fillStyle = colour("odd");
+    if (this.oldest > from) context.fillRect(0, 0, this.#x(this.oldest), lanes);
+    context.font = '11px system-ui, "DejaVu Sans", sans-serif';
+    for (let time = Math.ceil(from / kTick_ms) * kTick_ms; time < from + kSpan_ms; time += kTick_ms) {
+      context.fillStyle = colour("grid");
+      context.fillRect(Math.round(this.#x(time)), 0, 1, height);
+      context.fillStyle = colour("faint");
+      if (this.#x(time) + 36 < width) context.fillText(clock(time).slice(0, 5), Math.round(this.#x(time)) + 3, height - 2);
+    }
+    for (const event of this.#events) mark(context, this.#x(event.time_ms), laneOf(event), event.severity);
+    const at = shownInstant();
+    if (at === null) return;
+    context.fillStyle = colour("accent");
+    context.fillRect(Math.max(0, Math.min(this.#x(at), width) - 1), 0, 2, height);
+  }
+}
+
+/// Each severity has a lane and a shape of its own.
+const laneOf = ({ severity }) => kLane * (kLanes.indexOf(severity) + 0.5);
+
+function mark(context, x, y, severity) {
+  context.fillStyle = colour({ error: "bad", warning: "poor" }[severity] ?? "accent");
+  context.beginPath();
+  if (severity === "error") context.moveTo(x, y - 5), context.lineTo(x + 5, y + 4), context.lineTo(x - 5, y + 4);
+  else if (severity === "warning") context.moveTo(x, y - 5), context.lineTo(x + 4, y), context.lineTo(x, y + 5), context.lineTo(x - 4, y);
+  else context.arc(x, y, 2.5, 0, 7);
+  context.fill();
+}
+
+function said(event) {
+  const of = event.module ? `${event.device}.${event.module}` : event.device;
+  const what = event.error ? `${event.kind}: ${event.error}` : event.kind;
+  return `${instant(event.time_ms)} ${of}: ${what}${event.count > 1 ? ` (${count(event.count)} times)` : ""} ${event.cause ?? ""}`;
+}
