@@ -464,6 +464,13 @@ class Web(takt_system.Case):
         page.press(Keys.ENTER)
         self.wait_for_states({"robot": {"tuned": "START"}})
         page.wait_for("#details .mark .word", "^START")
+        wait_until(lambda: page.focused() == "Start", "the focus on Start, because Stop is disabled")
+        page.press("5")
+        page.wait_for(".executor summary", "Where the time went")
+        page.press("t", Keys.PAGE_UP, "2")
+        wait_until(lambda: re.match("#/modules.*[?&]at=", page.script("return location.hash")), "an instant a minute ago")
+        page.press("t", Keys.END)
+        wait_until(lambda: "at=" not in page.script("return location.hash"), "the present")
         # The page announces the change to a screen reader.
         page.wait_for("#spoken", r"robot\.tuned START")
         page.press(Keys.ESCAPE)

@@ -59,10 +59,14 @@ export class Commands {
     const state = module?.state?.state;
     const why = this.#obstacle(module);
     const busy = this.#busy.has(this.#module ?? this.#device);
+    const active = document.activeElement;
+    this.focused = this.buttons.includes(active) || (this.focused && active === document.body);
     kCommands.forEach((command, i) => {
       const possible = this.#module === null ? command.only !== "module" : command.in.includes(state);
       this.buttons[i].disabled = busy || why !== null || !possible;
     });
+    // A disabled button loses the focus. The first button that can be pressed gets it, so that Start follows Stop.
+    if (this.focused && (active === document.body || active.disabled)) this.buttons.find((button) => !button.disabled)?.focus({ preventScroll: true });
     if (why !== null) setText(this.why, why);
     else if (this.#module === null) setText(this.why, `A command goes to all modules of ${this.#device} whose state allows it.`);
     else setText(this.why, `Allowed in ${state}: ${kCommands.filter((command) => command.in.includes(state)).map((command) => command.verb).join(", ")}.`);

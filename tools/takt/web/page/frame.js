@@ -4,7 +4,7 @@
 import { element } from "./dom.js";
 
 const kClosest = 4;      // maximum zoom, relative to the drawing's own size
-const kLegible = 0.75;   // at a smaller scale, the text of the drawing is too small
+const kLegible = 1;      // at a smaller scale, the text of the drawing is too small
 const kStep = 1.25;
 const kAside = 60;       // pixels that an arrow key moves the drawing
 const kClick = 5;        // a pointer movement up to this many pixels is a click

@@ -76,7 +76,7 @@ function showRoute() {
 function makeTabs() {
   for (const [name, { title }] of Object.entries(views)) {
     byId("tabs").append(element("a", {
-      role: "tab", id: `tab-${name}`, href: addressOf(name), text: title, "aria-controls": "view", dataset: { view: name },
+      role: "tab", id: `tab-${name}`, title: `key ${byId("tabs").children.length + 1}`, href: addressOf(name), text: title, "aria-controls": "view", dataset: { view: name },
     }));
   }
   arrows(byId("tabs"), "a", { across: true, chosen: (tab) => tab.click() });
@@ -186,9 +186,10 @@ followTheme(byId("theme"), () => {
 });
 addEventListener("hashchange", showRoute);
 addEventListener("keydown", (event) => {
-  if (event.key === "/" && !event.target.closest("input, select, dialog") && !wall) {
-    event.preventDefault();
-    findInTree();
+  if (!wall && !event.ctrlKey && !event.altKey && !event.metaKey && !event.target.closest("input, select, dialog")) {
+    const act = { "/": findInTree, t: () => strip.focus() }[event.key] ?? (() => byId("tabs").children[event.key - 1]?.click());
+    if (event.key === "/") event.preventDefault();  // Firefox opens a search of its own
+    act();
   }
   if (event.key !== "Escape" || event.target.closest("dialog") || !currentRoute().parameters.has("select")) return;
   const back = details.name;

@@ -20,6 +20,7 @@ const kHint = "Drag to zoom, Shift+drag or a finger to pan, Ctrl+wheel or two fi
   + "Keys on a plot: \u2190 \u2192 cursor, Enter mark, Shift+\u2190 \u2192 pan, + \u2212 zoom, Space pause, Home follow.";
 
 export class Plots {
+  insists = true;
   #store;
   #ports = [];          // names of the ports
   #chosen = [];         // names of the series

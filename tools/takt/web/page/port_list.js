@@ -1,7 +1,7 @@
 // The ports of a module, each with its connections and their health, and the newest values of its fields. The gateway collects the values of
 // outputs only, so an input shows those of the output that is connected to it.
 
-import { element, Mark } from "./dom.js";
+import { arrows, element, Mark } from "./dom.js";
 import { Field } from "./fields.js";
 import { lookOfConnection } from "./looks.js";
 import { addressOf, linkTo, nameOfConnection } from "./route.js";
@@ -19,6 +19,7 @@ export class PortList {
   constructor(store) {
     this.#store = store;
     this.element = element("ul", { class: "ports" });
+    arrows(this.element, ".star, .values button");
   }
 
   hold(module) {
@@ -72,11 +73,19 @@ export class PortList {
     for (const { index, mark } of this.#ends) mark.show(lookOfConnection(this.#store.connections.get(String(index))));
   }
 
+  answered() {
+    for (const { source, body } of this.sources ?? []) {
+      const problem = this.#store.ports.problem(source) ?? this.#store.ports.problem("");
+      if (problem && !body.firstChild) body.append(element("tr", {}, element("td", { class: "faint small", text: problem.what })));
+    }
+  }
+
   /// Makes a line for each field of the ports that are known by now.
   described() {
     for (const { source, body } of this.sources ?? []) {
       const fields = this.#store.ports.get(source)?.fields;
-      if (!fields || body.firstChild) continue;
+      if (!fields || body.querySelector("[data-field]")) continue;
+      body.replaceChildren();
       const make = (some) => some.forEach(({ name }) => {
         const field = new Field(this.#store, `${source}.${name}`, name);
         this.#fields.push(field);

@@ -45,15 +45,19 @@ export class Ports {
     this.ask();
   }
 
-  /// Requests the values until the gateway accepts: the device of a port may start after this page.
+  /// Requests the values, again and again for a user with the member `insists`: the device of a port may start after this page.
   async ask() {
     clearTimeout(this.again);
     const names = this.#asked;
     const problems = await this.choose(names);
     if (names !== this.#asked) return;
     this.#problems = new Map(problems.map((problem) => [problem.port ?? "", problem]));
-    for (const user of this.#users.keys()) user.answered?.();
-    if ([...this.#users.values()].flat().some((name) => this.#problems.has(name)) || this.#problems.has("")) this.again = setTimeout(() => this.ask(), kAgain_ms);
+    let again = false;
+    for (const [user, wanted] of this.#users) {
+      user.answered?.();
+      again ||= user.insists && (this.#problems.has("") || wanted.some((name) => this.#problems.has(name)));
+    }
+    if (again) this.again = setTimeout(() => this.ask(), kAgain_ms);
   }
 
   /// Takes the event `port`, the description of a port, or `points`, its values.

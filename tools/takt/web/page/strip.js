@@ -11,6 +11,7 @@ import { clock, count, instant, several } from "./words.js";
 
 const kSpan_ms = 3600000;
 const kTick_ms = 600000;
+const kStep_ms = 60000;
 const kKept = 500;       // events that a page gets from takt web, which keeps no more
 const kNear = 8;         // pixels from a mark at which the pointer selects the mark
 const kLane = 12, kLanes = ["error", "warning", "note"];
@@ -24,7 +25,7 @@ export class Strip {
   constructor(place, store) {
     this.#store = store;
     this.canvas = new Canvas((context, width, height) => this.#draw(context, width, height), {
-      class: "marks", tabindex: "0", role: "slider", "aria-label": "instant that the page shows; the arrow keys move from event to event, End shows now",
+      class: "marks", tabindex: "0", role: "slider", "aria-label": "instant that the page shows; the arrow keys move from event to event, Page Up and Page Down by a minute, End shows now",
       "aria-valuemin": 0, "aria-valuemax": kSpan_ms / 1000,
     });
     this.caption = element("p", { class: "caption small", role: "status" });
@@ -71,10 +72,16 @@ export class Strip {
     this.#choose(again ? null : near ?? Math.round(this.#store.now - (1 - x / this.canvas.element.clientWidth) * kSpan_ms));
   }
 
+  focus() {
+    this.canvas.element.focus();
+  }
+
   #press(event) {
     const at = shownInstant();
+    const now = this.#store.now;
     const times = this.#events.map(({ time_ms }) => time_ms);
     const next = { ArrowLeft: () => times.findLast((time) => at === null || time < at), ArrowRight: () => times.find((time) => at !== null && time > at),
+      PageUp: () => Math.max(now - kSpan_ms, Math.round((at ?? now) - kStep_ms)), PageDown: () => (at !== null && at + kStep_ms < now ? at + kStep_ms : null),
       Home: () => times[0], End: () => null }[event.key];
     if (!next || event.altKey || event.ctrlKey || event.metaKey) return;
     event.preventDefault();

@@ -9,6 +9,7 @@ import { clock, listed, several } from "./words.js";
 const kPorts = 12;  // limit of the ports, so that the details and the plots can show ports, too
 
 export class Watch {
+  insists = true;
   #store;
   #fields = [];
 
