@@ -482,7 +482,7 @@ class Web(takt_system.Case):
         self.cell()
         page = self.look("#/connections")
         wait_until(lambda: page.texts("[role=treeitem] .name")[:2] == ["line", "fails"], "the module in RECOVER as the first in the tree")
-        page.wait_for("[data-item='line.fails'] .state", "^RECOVER$")
+        page.wait_for("[data-item='line.fails'] .state", "^ RECOVER$")
         page.press("/")
         self.assertEqual("find a device or module by name or state", page.focused())
         page.press(*"tune")

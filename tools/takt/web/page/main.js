@@ -191,6 +191,10 @@ addEventListener("keydown", (event) => {
     if (event.key === "/") event.preventDefault();  // Firefox opens a search of its own
     act();
   }
+  if (event.key === "Escape" && narrow.matches && !byId("tree").classList.contains("folded")) {
+    fold("tree", true);
+    return;
+  }
   if (event.key !== "Escape" || event.target.closest("dialog") || !currentRoute().parameters.has("select")) return;
   const back = details.name;
   alter({ select: null });

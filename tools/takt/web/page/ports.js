@@ -49,6 +49,8 @@ export class Ports {
   async ask() {
     clearTimeout(this.again);
     const names = this.#asked;
+    if (names.length === 0 && !this.any) return;
+    this.any = names.length > 0;
     const problems = await this.choose(names);
     if (names !== this.#asked) return;
     this.#problems = new Map(problems.map((problem) => [problem.port ?? "", problem]));

@@ -111,9 +111,10 @@ export class Strip {
     const kept = this.oldest > this.#store.now - kSpan_ms ? `; takt web keeps the newest ${kKept}, so none from before ${clock(this.oldest)}` : "";
     const all = kLanes.map((name) => [name, this.#events.filter(({ severity }) => severity === name).length]).filter(([, n]) => n > 0);
     const text = event ? said(event) : at !== null ? `at ${instant(at)}` : `${all.map(([name, n]) => several(n, name)).join(", ") || "no events"}${kept}`;
-    setText(this.caption, text);
+    const present = at !== null && !kViews.includes(currentRoute().view) ? "; this view shows the present" : "";
+    setText(this.caption, text + present);
     setAttribute(this.caption, "data-look", event ? lookOfSeverity(event.severity).look : "faint");
-    setAttribute(this.canvas.element, "aria-valuenow", Math.round((this.#store.now - (at ?? this.#store.now)) / 1000));
+    setAttribute(this.canvas.element, "aria-valuenow", at === null ? 0 : Math.round(Math.min(this.#store.now - at, kSpan_ms) / 1000));
     setAttribute(this.canvas.element, "aria-valuetext", at === null ? `now; ${text}` : text);
   }
 

@@ -101,7 +101,7 @@ export class Table {
     const rows = spec?.rows ?? [];
     if (executor.rows.length === 0) {
       const why = executor.text ?? "The executor missed every row of the last macro period. Refresh to see a later macro period.";
-      return element("section", { class: "executor" }, element("h3", { text: `executor ${executor.name}` }),
+      return element("section", { class: "executor" }, element("h2", { text: `executor ${executor.name}` }),
         element("p", { class: "faint", text: why }), planned(rows, executor));
     }
     const gantt = new Gantt(executor, programs, orderOf(rows, spec, executor));
@@ -109,7 +109,7 @@ export class Table {
     const all = executor.macro_period_ns / executor.basic_period_ns;
     const missed = Math.min(all, kRows) - executor.rows.length;
     const left_out = all > kRows ? `; the first ${kRows} are shown` : "";
-    return element("section", { class: "executor" }, element("h3", { text: `executor ${executor.name}` }),
+    return element("section", { class: "executor" }, element("h2", { text: `executor ${executor.name}` }),
       element("p", { class: "faint", text: `${several(all, "row")} of ${exact(executor.basic_period_ns)}, a macro period of ` +
         `${exact(executor.macro_period_ns)}${left_out}${missed > 0 ? `; ${several(missed, "row")} missed` : ""}; began at ${clock(executor.begin_ms, { thousandths: true })}` }),
       gantt.element, lateness(executor, programs, this.#device), used(executor, programs, about), planned(rows, executor));

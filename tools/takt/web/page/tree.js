@@ -15,9 +15,10 @@ class Item {
   show(name, look) {
     this.look = look;
     this.mark.show({ ...look, word: "" });
-    setText(this.word, look.look === "good" ? "" : look.word);
+    setText(this.word, ` ${look.word}`);
     setAttribute(this.word, "data-look", look.look);
-    setAttribute(this.element, "aria-label", `${name}: ${look.word}`);
+    this.word.classList.toggle("unseen", look.look === "good");
+    this.text = `${name} ${look.word}`.toLowerCase();
     setAttribute(this.element, "aria-selected", String(name === currentRoute().parameters.get("select")));
   }
 }
@@ -69,7 +70,7 @@ export class Tree {
   #showAll() {
     const words = this.filter.value.toLowerCase();
     const byRank = (a, b) => a.rank - b.rank;
-    const found = ({ element: { ariaLabel } }) => ariaLabel.toLowerCase().includes(words);
+    const found = ({ text }) => text.includes(words);
     const known = new Set();
     let shown = 0;
     const groups = this.#store.deviceNames.map((name) => {
