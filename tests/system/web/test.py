@@ -568,6 +568,7 @@ class Web(takt_system.Case):
         page.wait_for(".tools [role=status]", "^Nothing is watched")
         self.finish(web, apart=("willReadFrequently",))
 
+    @takt_system.quiet("the test looks for an older event, and rows missed on a busy machine would be many newer events")
     def test_the_strip_of_time_moves_the_faults_and_the_plots_to_an_instant(self):
         web = self.serve()
         self.cell()
