@@ -543,7 +543,7 @@ class Web(takt_system.Case):
             return canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.some((of) => of > 0)"""), "the trend")
         page.go("#/connections")
         page.click("tr[data-connection='0'] .ends")
-        page.wait_for("#details h2", "^robot.source.out \u2192 line.sink.in$")
+        page.wait_for("#details .ends", "^robot.source.out \u2192 line.sink.in$")
         page.wait_for("#details .facts dd", "latest, .*deadline 500 ms")
         number("#details [data-field='robot.source.out.number']")
 

@@ -2,17 +2,18 @@
 
 import { arrows, Bar, element, Mark, setAttribute, setText } from "./dom.js";
 import { ageOf, lookOfConnection } from "./looks.js";
-import { adjust, alter, linkTo, nameOfConnection } from "./route.js";
+import { adjust, alter, linkTo } from "./route.js";
 import { count, exact, several } from "./words.js";
 
 class Row {
   constructor(index, connection) {
     this.index = index;
+    this.name = `connection:${index}`;
     this.connection = connection;
     this.mark = new Mark();
     this.age = new Bar();
     this.numbers = ["lost", "dropped", "late"].map((what) => ({ what, cell: element("td", { class: "number", dataset: { label: what } }) }));
-    this.link = linkTo(nameOfConnection(connection), "", { class: "ends" });
+    this.link = linkTo(this.name, "", { class: "ends" });
     this.link.append(element("span", { text: connection.from ?? "outside" }), element("span", { text: `\u2192 ${connection.to ?? "outside"}` }));
     this.element = element("tr", { dataset: { connection: index } },
       element("th", { scope: "row" }, this.link, element("div", { class: "faint small", text: connection.text ?? connection.kind })),
@@ -48,7 +49,7 @@ export class Connections {
     arrows(this.body, "a");
     this.body.addEventListener("click", (event) => {
       const row = this.#rows.find(({ element: { dataset } }) => dataset.connection === event.target.closest("tr")?.dataset.connection);
-      if (row && !event.target.closest("a")) alter({ select: nameOfConnection(row.connection) });
+      if (row && !event.target.closest("a")) alter({ select: row.name });
     });
   }
 
@@ -56,7 +57,7 @@ export class Connections {
     if (this.filter.value !== (parameters.get("filter") ?? "")) this.filter.value = parameters.get("filter") ?? "";
     this.#rebuild();
     for (const row of this.#rows) {
-      const is = nameOfConnection(row.connection) === parameters.get("select");
+      const is = row.name === parameters.get("select");
       if (is && !row.element.classList.contains("selected")) row.element.scrollIntoView({ block: "nearest" });
       row.element.classList.toggle("selected", is);
     }
@@ -68,7 +69,7 @@ export class Connections {
   }
 
   focusOn(name) {
-    this.#rows.find((row) => nameOfConnection(row.connection) === name)?.link.focus();
+    this.#rows.find((row) => row.name === name)?.link.focus();
   }
 
   #rebuild() {

@@ -22,7 +22,7 @@ export class Details {
     place.append(element("div", { class: "heading" }, this.title, close), this.body);
   }
 
-  /// Shows the details of `name`: "device.module", "device" or a connection, "from>to". null closes the details.
+  /// Shows the details of `name`: "device.module", "device" or "connection:INDEX". null closes the details.
   show(name) {
     this.place.hidden = name === null;
     if (name === this.name) {
@@ -32,9 +32,9 @@ export class Details {
     const first = this.name === null;
     this.name = name;
     this.#shown?.hide();
-    this.#shown = name === null ? null : name.includes(">") ? this.connection : name.includes(".") ? this.module : this.device;
+    this.#shown = name === null ? null : name.startsWith("connection:") ? this.connection : name.includes(".") ? this.module : this.device;
     if (!this.#shown) return;
-    this.title.textContent = name.replace(">", " \u2192 ");
+    this.title.textContent = name.replace(":", " ");
     this.body.replaceChildren(this.#shown.element);
     this.#shown.show(name);
     this.place.scrollTop = 0;

@@ -4,7 +4,7 @@ import { drawn, element, setAttribute, setText } from "./dom.js";
 import { drawingOf } from "./drawing.js";
 import { Frame } from "./frame.js";
 import { lookOfConnection, lookOfDevice, lookOfModule } from "./looks.js";
-import { alter, currentRoute, nameOfConnection } from "./route.js";
+import { alter, currentRoute } from "./route.js";
 import { duration } from "./words.js";
 
 const kSmall = 10;  // font size of the drawing's small text
@@ -170,8 +170,7 @@ export class Graph {
     if (group) alter({ select: group.dataset.module ?? group.dataset.device });
     else {
       const link = target.closest?.("[data-connection]");
-      const connection = this.#store.cell?.connections?.[link?.dataset.connection];
-      if (connection) alter({ select: nameOfConnection(connection) });
+      if (link) alter({ select: `connection:${link.dataset.connection}` });
     }
   }
 

@@ -4,7 +4,7 @@
 import { arrows, element, Mark } from "./dom.js";
 import { Field } from "./fields.js";
 import { lookOfConnection } from "./looks.js";
-import { addressOf, linkTo, nameOfConnection } from "./route.js";
+import { addressOf, linkTo } from "./route.js";
 
 const kPorts = 12;  // limit of the ports whose values are shown, so that the plots and the watch list can show ports, too
 const kFields = 6;  // number of fields of a port that are shown at first
@@ -60,7 +60,7 @@ export class PortList {
       const mark = new Mark();
       this.#ends.push({ index, mark });
       const other = connection.from === name ? `\u2192 ${connection.to ?? "outside"}` : `\u2190 ${connection.from ?? "outside"}`;
-      return element("div", { class: "end" }, linkTo(nameOfConnection(connection), other), mark.element);
+      return element("div", { class: "end" }, linkTo(`connection:${index}`, other), mark.element);
     });
     const body = element("tbody");
     const line = element("li", {}, element("a", { href: addressOf("plots", { port: source ?? name }), text: name.slice(this.#module.length + 1) }),

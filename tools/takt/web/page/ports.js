@@ -67,6 +67,8 @@ export class Ports {
     const port = this.#ports.get(data.port);
     if (!port || (name === "points" && !port.fields)) return;
     if (name === "port") {
+      // After each request, the description comes again, followed by all values. Until then, the known values stay.
+      if (JSON.stringify(data.fields) === JSON.stringify(port.fields)) return;
       Object.assign(port, { type: data.type, fields: data.fields });
       port.rows.clear();
       for (const [user, names] of this.#users) if (names.includes(data.port)) user.described?.(data.port);

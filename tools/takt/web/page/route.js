@@ -34,11 +34,6 @@ export function linkTo(name, text, attributes = {}) {
   return element("a", { ...attributes, href: address(), text, on: { click: (event) => { event.currentTarget.href = address(); } } });
 }
 
-/// The name of a connection in the address: FROM>TO.
-export function nameOfConnection({ from, to }) {
-  return `${from ?? ""}>${to ?? ""}`;
-}
-
 export function go(view, parameters = {}) {
   location.hash = addressOf(view, parameters);
 }

@@ -3,14 +3,27 @@
 import { Canvas } from "./canvas.js";
 import { colour } from "./theme.js";
 
+/// The path of a line through pairs of a time, from 0 to `length`, and a value. NaN is a gap. The line begins at 0, or, without `zero`, at its
+/// lowest value.
+export function pathOf(points, length, width, height, zero) {
+  const values = points.map(([, value]) => value).filter((value) => !Number.isNaN(value));
+  const low = zero ? 0 : Math.min(...values);
+  const range = Math.max(Math.max(...values) - low, 1e-9);  // at least 1e-9, to avoid a division by 0 if all values are equal
+  return points.map(([time, value], i) => (Number.isNaN(value) ? "" : `${i > 0 && !Number.isNaN(points[i - 1][1]) ? "L" : "M"}` +
+    `${(time / length * width).toFixed(1)} ${(height - 2 - (value - low) / range * (height - 4)).toFixed(1)}`)).join("");
+}
+
 export class Spark {
   #points = [];
 
-  /// The line shows `length` units of time. It begins at 0, or, without `zero`, at the least value.
+  /// The line shows `length` units of time.
   constructor(length, { zero = true } = {}) {
-    Object.assign(this, { length, zero });
-    this.canvas = new Canvas((context, width, height) => this.#draw(context, width, height),
-      { class: "spark", "aria-hidden": "true" });
+    this.canvas = new Canvas((context, width, height) => {
+      context.strokeStyle = colour("accent");
+      context.lineWidth = 1.25;
+      context.stroke(new Path2D(pathOf(this.#points, length, width, height, zero)));
+    }, { class: "spark", "aria-hidden": "true" });
+    this.length = length;
     this.element = this.canvas.element;
   }
 
@@ -23,23 +36,5 @@ export class Spark {
   showPoints(points) {
     this.#points = points.filter(([, value]) => value !== null);
     this.canvas.redraw();
-  }
-
-  #draw(context, width, height) {
-    const values = this.#points.map(([, value]) => value).filter((value) => !Number.isNaN(value));
-    if (values.length < 2) return;
-    const low = this.zero ? 0 : Math.min(...values);
-    const range = Math.max(Math.max(...values) - low, 1e-9);  // at least 1e-9, to avoid a division by 0 if all values are equal
-    context.strokeStyle = colour("accent");
-    context.lineWidth = 1.25;
-    context.beginPath();
-    let drawn = false;
-    for (const [time, value] of this.#points) {
-      const [x, y] = [time / this.length * width, height - 2 - (value - low) / range * (height - 4)];
-      if (drawn && !Number.isNaN(value)) context.lineTo(x, y);
-      else if (!Number.isNaN(value)) context.moveTo(x, y);
-      drawn = !Number.isNaN(value);
-    }
-    context.stroke();
   }
 }
