@@ -63,10 +63,14 @@ void DiscoveryListener::impostor(const rtps::GUID_t& writer, const std::string& 
 std::string DiscoveryListener::who(const rtps::GuidPrefix_t& prefix) {
   const std::lock_guard lock{mutex_};
   const auto found = seen_.find(prefix);
-  if (found == seen_.end()) return "an unknown participant";
-  const Seen& seen = found->second;
+  const auto certificate = certificates_.find(prefix);
+  if (found == seen_.end() && certificate == certificates_.end()) return "an unknown participant";
+  const Seen seen = found == seen_.end() ? Seen{} : found->second;
   const std::string where = seen.address.empty() ? "" : " at " + seen.address;
-  if (const auto subject = announced_subject(seen.subject)) {
+  // The subject of a certificate is authenticated, unlike that of an announcement.
+  if (const auto subject = certificate != certificates_.end()
+                               ? std::optional{certificate->second.says.subject}
+                               : announced_subject(seen.subject)) {
     return std::string{to_text(subject->role)} + " " + subject->name +
            (subject->cell == mine_.subject.cell ? "" : " of cell " + subject->cell) + where;
   }
