@@ -39,7 +39,13 @@ class CInPort final : public InPortBase {
   bool read(void* value) noexcept {
     const bool found = next();
     if (watched() && know_safe()) settle(found);
-    std::memcpy(value, is_safe() ? safe_.get() : last_->get(), c_type_.value_size);
+    if (may_be_forced()) {
+      settle_force([this](const std::byte* bytes, std::uint32_t size) noexcept {
+        return c_type_.decode(reinterpret_cast<const unsigned char*>(bytes), size, forced_.get()) != 0;
+      });
+    }
+    Value* const shown = is_forced() ? &forced_ : is_safe() ? &safe_ : last_;
+    std::memcpy(value, shown->get(), c_type_.value_size);
     return is_new();
   }
 
@@ -51,6 +57,7 @@ class CInPort final : public InPortBase {
   }
   void take_over(PortBase& before) noexcept override {
     auto& other = static_cast<CInPort&>(before);
+    other.drop_force();
     follow(other);
     std::memcpy(last_->get(), other.last_->get(), c_type_.value_size);
     if (is_safe()) static_cast<void>(know_safe());
@@ -94,6 +101,7 @@ class CInPort final : public InPortBase {
   Value first_{c_type_.value_size};
   Value second_{c_type_.value_size};
   Value safe_{c_type_.value_size};
+  Value forced_{c_type_.value_size};
   bool safe_known_ = false;
   Value* last_ = &first_;  // samples are decoded into *other_, so an invalid sample does not change *last_
   Value* other_ = &second_;

@@ -398,7 +398,7 @@ const char* ThreadModule::check_inputs(Instant start) noexcept {
   for (Watched& input : watched_) {
     channel::LinkBlock& block = input.link.block();
     const std::int64_t newest = std::max(block.newest_ns.load(relaxed), watched_since_ns_);
-    const bool late = now - newest > block.deadline_ns;
+    const bool late = now - newest > block.deadline_ns && !input.link.is_forced(now);
     if (late && !input.late) block.late.store(block.late.load(relaxed) + 1, relaxed);
     input.late = late;
     if (late && input.is_error && stale == nullptr) stale = input.text.c_str();

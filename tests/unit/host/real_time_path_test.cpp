@@ -85,13 +85,15 @@ TEST_F(RealTimePath, AppliesPropertiesWithoutAllocatingOrLocking) {
 
 /// An output, an input, and the link that connects them.
 struct Connected {
-  Connected(bool as_objects, std::uint32_t wake_bits, bool has_safe_value = false) {
+  Connected(bool as_objects, std::uint32_t wake_bits, bool has_safe_value = false,
+            bool can_be_forced = false) {
     const std::uint32_t most = PortType<samples::Count>::info.max_size;
-    const channel::Link::Options options{.depth = 4,
+    const channel::Link::Options options{.depth = can_be_forced ? 1U : 4U,
                                          .payload = as_objects ? 0 : most,
-                                         .is_queue = true,
+                                         .is_queue = !can_be_forced,
                                          .wake_bits = wake_bits,
-                                         .safe = has_safe_value ? most : 0};
+                                         .safe = has_safe_value ? most : 0,
+                                         .force = can_be_forced ? most : 0};
     memory.resize(channel::Link::layout(options).size() / sizeof(Line));
     auto* start = reinterpret_cast<std::byte*>(memory.data());
     channel::Link::format(start, options);
@@ -201,6 +203,60 @@ TEST_F(RealTimePath, SwitchesToSafeValuesWithoutAllocatingOrLocking) {
   EXPECT_EQ(wrong, 0U);
   EXPECT_GT(read, 200U);
   EXPECT_GT(safe, 50U);
+}
+
+// The lists of the samples and of the forced value have different lengths.
+TEST_F(RealTimePath, SwitchesToForcedValuesWithoutAllocatingOrLocking) {
+  Connected objects{true, 0, false, true};
+  Connected bytes{false, 0, false, true};
+  PortContext context{.start_ns = 1, .wake_word = &wake_word, .flight = flight.data(), .module = 1};
+  for (Connected* each : {&objects, &bytes}) {
+    each->out.serve(context);
+    each->in.serve(context);
+  }
+  constexpr std::uint64_t kForced = 1'000'000'004;
+  const std::uint32_t most = PortType<samples::Count>::info.max_size;
+  samples::Count count;
+  fill(count, kForced);
+  std::vector<std::byte> value(most);
+  value.resize(PortType<samples::Count>::encode(count, value.data(), most));
+  std::uint64_t wrong = 0;
+  std::uint64_t read = 0;
+  std::uint64_t forced = 0;
+  bodies[1].on_run = [&](const Cycle& cycle) {
+    context.start_ns = static_cast<std::int64_t>(cycle.number) + 2;
+    fill(count, cycle.number + 1);
+    objects.out.write(count);
+    bytes.out.write(count);
+  };
+  bodies[2].on_run = [&](const Cycle&) {
+    for (Connected* each : {&objects, &bytes}) {
+      while (each->in.read()) {
+        ++(each->in.value().number() == kForced ? forced : read);
+        if (!is_whole(each->in.value())) ++wrong;
+      }
+    }
+  };
+  std::atomic<bool> end{false};
+  std::thread node{[&] {
+    for (std::uint32_t number = 1; !end; ++number) {
+      for (Connected* each : {&objects, &bytes}) {
+        while (!each->link.force(number, value, channel::kNever))
+          std::this_thread::sleep_for(milliseconds{1});
+      }
+      std::this_thread::sleep_for(milliseconds{3});
+      for (Connected* each : {&objects, &bytes}) each->link.end_force();
+      std::this_thread::sleep_for(milliseconds{3});
+    }
+  }};
+  run(2000);
+  end = true;
+  node.join();
+  for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
+  for (const SystemCall& call : row_calls) EXPECT_EQ(call.number, SYS_futex) << "in cycle " << call.stamp;
+  EXPECT_EQ(wrong, 0U);
+  EXPECT_GT(read, 200U);
+  EXPECT_GT(forced, 200U);
 }
 
 TEST_F(RealTimePath, SavesStateWithoutAllocatingOrLocking) {

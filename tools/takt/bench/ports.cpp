@@ -31,7 +31,8 @@ class Pair {
                                          .payload = as_objects ? 0 : PortType<Sample>::info.max_size,
                                          .is_queue = depth > 1,
                                          .deadline_ns = safe ? 1'000'000 : 0,
-                                         .safe = safe ? PortType<Sample>::info.max_size : 0};
+                                         .safe = safe ? PortType<Sample>::info.max_size : 0,
+                                         .force = depth > 1 ? 0 : PortType<Sample>::info.max_size};
     memory_ = std::move(os::SharedMemory::create("takt-link", channel::Link::layout(options).size()).value());
     channel::Link::format(memory_.data(), options);
     const channel::Link link{memory_.data()};

@@ -12,6 +12,9 @@
 // Each side (writer or reader) announces which buffer it has, and which buffer it is about to take for which
 // sample. If a side dies during an exchange, its successor finds from these announcements, in a few steps,
 // which buffer the dead side had. The other side may continue meanwhile.
+//
+// The node can force the reader of a link with room for a forced value: the reader then uses this value
+// instead of the samples, which the writer keeps writing and the reader keeps taking.
 #pragma once
 
 #include <algorithm>
@@ -62,7 +65,7 @@ inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 /// `Atomic` is std::atomic, except in a test that interrupts the code between any two accesses.
 template <template <class> class Atomic>
 struct alignas(64) BasicLinkBlock {
-  static constexpr std::uint64_t kMagic = 0x6b6e'696c'0000'0005;  // "link", layout 5
+  static constexpr std::uint64_t kMagic = 0x6b6e'696c'0000'0006;  // "link", layout 6
 
   // format() and the node set these fields before the link is used.
   std::uint64_t magic;
@@ -80,6 +83,7 @@ struct alignas(64) BasicLinkBlock {
   Atomic<std::uint64_t> trusted_from;
   Atomic<std::uint32_t> safe_size;  ///< size of the safe value, in bytes; 0: not known yet. Stored after the
                                     ///< value's bytes
+  std::uint32_t force_room;         ///< bytes reserved for a forced value; 0: the reader cannot be forced
 
   /// In a link for samples of another device: an upper limit for the difference between the wall clock of
   /// that device and the monotonic clock of this device; 0: not known. From this limit, the gateway
@@ -106,6 +110,12 @@ struct alignas(64) BasicLinkBlock {
       reader_has;  ///< a SlotWord: the reader's buffer, and the last sample that the reader finished
   Atomic<std::uint64_t>
       reader_takes;  ///< a SlotWord: the sample that the reader is taking, and the sample's buffer
+  Atomic<std::uint32_t> force_held;  ///< number of the force whose value the reader is decoding; 0: none
+
+  // The node writes these fields. They lie here, because the reader needs this cache line for each sample.
+  Atomic<std::uint32_t> forced;         ///< number of the present force; 0: the reader is not forced
+  Atomic<std::uint32_t> force_size;     ///< size of the forced value, in bytes
+  Atomic<std::int64_t> force_until_ns;  ///< monotonic time at which the reader ends the force by itself
 };
 
 /// A sample's info in the memory of a link. Two members are read while the writer may write them: `sequence`
@@ -122,8 +132,9 @@ struct BasicSampleHead {
 template <template <class> class Atomic>
 class BasicLinkLayout {
  public:
-  constexpr BasicLinkLayout(std::uint32_t depth, std::uint32_t stride, std::uint32_t safe = 0) noexcept
-      : depth_(depth), stride_(stride), safe_(safe) {}
+  constexpr BasicLinkLayout(std::uint32_t depth, std::uint32_t stride, std::uint32_t safe = 0,
+                            std::uint32_t force = 0) noexcept
+      : depth_(depth), stride_(stride), safe_(safe), force_(force) {}
   [[nodiscard]] constexpr std::uint32_t depth() const noexcept { return depth_; }
   [[nodiscard]] constexpr std::uint32_t stride() const noexcept { return stride_; }
   [[nodiscard]] constexpr std::uint32_t buffers() const noexcept { return depth_ + 2; }
@@ -139,13 +150,17 @@ class BasicLinkLayout {
     return payloads() + std::size_t{buffers()} * stride_;
   }
   [[nodiscard]] constexpr std::uint32_t safe_room() const noexcept { return safe_; }
-  [[nodiscard]] constexpr std::size_t size() const noexcept { return up(safe() + safe_); }
+  /// The offset of the forced value, behind the safe value.
+  [[nodiscard]] constexpr std::size_t force() const noexcept { return up(safe() + safe_); }
+  [[nodiscard]] constexpr std::uint32_t force_room() const noexcept { return force_; }
+  [[nodiscard]] constexpr std::size_t size() const noexcept { return up(force() + force_); }
 
  private:
   static constexpr std::size_t up(std::size_t n) noexcept { return (n + 63) / 64 * 64; }
   std::uint32_t depth_;
   std::uint32_t stride_;
   std::uint32_t safe_;
+  std::uint32_t force_;
 };
 
 /// Access to a link's memory, for its writer and its reader. Copies of this object refer to the same memory.
@@ -161,11 +176,13 @@ class BasicLink {
   /// here. So if a process that writes out of bounds changes them later, all accesses still stay within the
   /// memory.
   explicit BasicLink(std::byte* memory) noexcept
-      : block_(reinterpret_cast<Block*>(memory)), layout_(block_->depth, block_->stride, block_->safe_room) {
+      : block_(reinterpret_cast<Block*>(memory)),
+        layout_(block_->depth, block_->stride, block_->safe_room, block_->force_room) {
     slots_ = reinterpret_cast<Atomic<std::uint64_t>*>(memory + layout_.slots());
     heads_ = reinterpret_cast<Head*>(memory + layout_.heads());
     payloads_ = memory + layout_.payloads();
     safe_ = memory + layout_.safe();
+    force_ = memory + layout_.force();
   }
 
   struct Options {
@@ -176,17 +193,19 @@ class BasicLink {
     std::uint32_t wake_bits = 0;
     std::int64_t deadline_ns = 0;
     bool enabled = true;
-    std::uint32_t safe = 0;  ///< maximum size of the safe value, in bytes; 0: the link has none
+    std::uint32_t safe = 0;   ///< maximum size of the safe value, in bytes; 0: the link has none
+    std::uint32_t force = 0;  ///< maximum size of a forced value, in bytes; 0: the reader cannot be forced
   };
   static constexpr Layout layout(const Options& options) noexcept {
-    return {options.depth, (options.payload + 63) / 64 * 64, options.safe};
+    return {options.depth, (options.payload + 63) / 64 * 64, options.safe, options.force};
   }
   /// True if `memory`, which another process may have written, is a complete link of this version.
   static bool is_link(const std::byte* memory, std::size_t size) noexcept {
     if (size < sizeof(Block)) return false;
     const auto* block = reinterpret_cast<const Block*>(memory);
     return block->magic == Block::kMagic && block->depth >= 1 && block->depth <= kMaxLinkDepth &&
-           block->stride % 64 == 0 && size >= Layout{block->depth, block->stride, block->safe_room}.size();
+           block->stride % 64 == 0 &&
+           size >= Layout{block->depth, block->stride, block->safe_room, block->force_room}.size();
   }
   /// Turns unused memory into an empty link. The memory's former content is lost.
   static void format(std::byte* memory, const Options& options) noexcept {
@@ -201,6 +220,9 @@ class BasicLink {
     block->deadline_ns = options.deadline_ns;
     block->safe_room = options.safe;
     block->safe_size.store(0, relaxed);
+    block->force_room = options.force;
+    block->force_until_ns.store(0, relaxed);
+    for (auto* word : {&block->forced, &block->force_size, &block->force_held}) word->store(0, relaxed);
     block->trusted_from.store(options.safe == 0 ? 0 : kNobody, relaxed);
     block->sender_clock_ns.store(0, relaxed);
     block->newest_ns.store(0, relaxed);
@@ -273,6 +295,53 @@ class BasicLink {
     return block_->trusted_from.load(std::memory_order_acquire);
   }
 
+  /// True if the link has room for a forced value.
+  [[nodiscard]] bool has_force_place() const noexcept { return layout_.force_room() != 0; }
+  /// The number of the present force; 0 if the reader is not forced. A real-time thread may call it.
+  [[nodiscard]] std::uint32_t forced() const noexcept {
+    return block_->forced.load(std::memory_order_acquire);
+  }
+  /// True if the reader gets the forced value at this time (monotonic). A real-time thread may call it.
+  [[nodiscard]] bool is_forced(std::int64_t now_ns) const noexcept {
+    return forced() != 0 && now_ns < block_->force_until_ns.load(std::memory_order_relaxed);
+  }
+  /// Makes the reader use this value, as CDR, from its next read() until `until_ns` (monotonic). `number`
+  /// differs from 0 and from the numbers of all former forces of the link. Returns false if the value is too
+  /// large, or if the reader is just decoding the value of the former force: try again. The node calls it
+  /// while the reader is not forced.
+  [[nodiscard]] bool force(std::uint32_t number, std::span<const std::byte> value,
+                           std::int64_t until_ns) const noexcept {
+    // SYNC: forced value. force() runs after end_force() has stored 0 in `forced`, and then reads
+    // `force_held`; read_force() stores `force_held`, and then reads `forced`. All threads observe these
+    // accesses in one order. So either this function sees that the reader holds the former value, or the
+    // reader sees that the former force has ended, and does not touch the bytes.
+    if (value.size() > layout_.force_room() || block_->force_held.load(std::memory_order_seq_cst) != 0)
+      return false;
+    std::copy(value.begin(), value.end(), force_);
+    block_->force_size.store(static_cast<std::uint32_t>(value.size()), std::memory_order_relaxed);
+    block_->force_until_ns.store(until_ns, std::memory_order_relaxed);
+    block_->forced.store(number, std::memory_order_seq_cst);
+    return true;
+  }
+  /// Lets the force last until `until_ns` (monotonic). The node calls it.
+  void renew_force(std::int64_t until_ns) const noexcept {
+    block_->force_until_ns.store(until_ns, std::memory_order_relaxed);
+  }
+  /// Ends the force: from its next read() on, the reader uses the samples again. The node calls it.
+  void end_force() const noexcept { block_->forced.store(0, std::memory_order_seq_cst); }
+  /// Passes the bytes of force `number` to `decode`, and returns its result. Returns false without a call if
+  /// this force has ended. Only the reader calls it; a real-time thread may.
+  template <class Decode>
+  bool read_force(std::uint32_t number, const Decode& decode) const noexcept {
+    block_->force_held.store(number, std::memory_order_seq_cst);  // SYNC: forced value, see force()
+    const bool decoded =
+        block_->forced.load(std::memory_order_seq_cst) == number &&
+        decode(static_cast<const std::byte*>(force_),
+               std::min(block_->force_size.load(std::memory_order_relaxed), layout_.force_room()));
+    block_->force_held.store(0, std::memory_order_release);
+    return decoded;
+  }
+
  private:
   Block* block_ = nullptr;
   Layout layout_{1, 0};
@@ -280,6 +349,7 @@ class BasicLink {
   Head* heads_ = nullptr;
   std::byte* payloads_ = nullptr;
   std::byte* safe_ = nullptr;
+  std::byte* force_ = nullptr;
 };
 
 /// The state of a link's writer or reader side while no LinkWriter or LinkReader uses that side: the side's
@@ -439,6 +509,7 @@ class BasicLinkReader {
     const std::uint64_t has = SlotWord::make(false, found.sequence, private_);
     link_.block().reader_has.store(has, std::memory_order_seq_cst);
     link_.block().reader_takes.store(has, std::memory_order_seq_cst);
+    link_.block().force_held.store(0, std::memory_order_release);  // a dead reader holds nothing any more
   }
 
   [[nodiscard]] explicit operator bool() const noexcept { return static_cast<bool>(link_); }

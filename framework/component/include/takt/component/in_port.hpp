@@ -14,6 +14,9 @@
 // longer trusted: the writing module does not execute, its device is lost, or the sample is older than the
 // connection's deadline.
 //
+// An operator can force an input that holds the latest value (`takt force`). The forced value then arrives
+// like a new sample in each run of the module, until the force ends; then the last sample arrives again.
+//
 // Every hook may call every function except the constructor, including on the real-time thread: the functions
 // neither wait nor allocate. Only one thread at a time may use a port. Takt calls the hooks of a module one
 // at a time, so hooks need no lock.
@@ -40,6 +43,7 @@ class InPortBase : public PortBase {
   [[nodiscard]] std::int64_t news_at() const noexcept override {
     std::int64_t first = channel::kNever;
     for (const Source& source : sources_) first = std::min(first, source.reader.news_at());
+    if (may_be_forced()) return forced_news_at(first);
     if (!watched_ || watched_.safe().empty()) return first;
     if (!is_safe_ && distrusted()) return 0;
     return watched_.is_withheld() ? channel::kNever : first;
@@ -47,13 +51,13 @@ class InPortBase : public PortBase {
 
   /// True if read() has ever taken a sample or the safe value. value() returns the one that was read last. A
   /// real-time thread may call it.
-  [[nodiscard]] bool has_value() const noexcept { return sequence_ != 0 || is_safe_; }
+  [[nodiscard]] bool has_value() const noexcept { return sequence_ != 0 || is_safe_ || is_forced(); }
   /// True if the last read() took a new sample or replaced the last sample by the safe value. A real-time
   /// thread may call it.
   [[nodiscard]] bool is_new() const noexcept { return is_new_; }
   /// True if value() is the safe value of the connected output. sequence() and age() then belong to the last
   /// sample that arrived. A real-time thread may call it.
-  [[nodiscard]] bool is_safe() const noexcept { return is_safe_; }
+  [[nodiscard]] bool is_safe() const noexcept { return is_safe_ && !is_forced(); }
   /// Returns the sequence number of the last sample that was read; 0 before the first sample. The writer
   /// numbers its samples from 1, separately for each connection. A gap means that the port has not read some
   /// samples. A real-time thread may call it.
@@ -64,7 +68,8 @@ class InPortBase : public PortBase {
   /// of that device is known. A real-time thread may call it.
   [[nodiscard]] Nanoseconds age() const noexcept {
     if (!has_value()) return Nanoseconds::max();
-    return Nanoseconds{std::max<std::int64_t>(context().start_ns - stamp_ns_, 0)};
+    const std::int64_t stamp_ns = is_forced() ? forced_at_ns_ : stamp_ns_;
+    return Nanoseconds{std::max<std::int64_t>(context().start_ns - stamp_ns, 0)};
   }
 
  protected:
@@ -87,6 +92,10 @@ class InPortBase : public PortBase {
     const bool newest = link.block().is_queue == 0;
     const Source source{channel::LinkReader{link, attach()}, values, newest && link.depth() > 1};
     if (link.has_safe_place()) watched_ = link;
+    if (link.has_force_place()) {
+      forceable_ = link;
+      forced_ = &link.block().forced;
+    }
     if (attach() == channel::Attach::later) {
       aside_.push_back(source);
       return nullptr;
@@ -127,6 +136,33 @@ class InPortBase : public PortBase {
     is_safe_ = distrusted() || (was_safe && !found);
     is_new_ = is_safe_ ? !was_safe : found;
   }
+
+  /// True if value() is the safe value, unless it is a forced value.
+  [[nodiscard]] bool shows_safe() const noexcept { return is_safe_; }
+  /// True if value() is a forced value.
+  [[nodiscard]] bool is_forced() const noexcept { return force_ != 0; }
+  /// False if neither the last read() nor the next one has to do with a forced value.
+  [[nodiscard]] bool may_be_forced() const noexcept {
+    return (forced_->load(std::memory_order_relaxed) | force_) != 0;
+  }
+  /// Decides whether a forced value replaces the newest sample from now on. Call this after the ordinary
+  /// part of read(). `decode` decodes the forced value; it is called once for each force.
+  template <class Decode>
+  void settle_force(const Decode& decode) noexcept {
+    const bool was_forced = is_forced();
+    const std::uint32_t before = force_;
+    const std::uint32_t number = forceable_.is_forced(context().start_ns) ? forceable_.forced() : 0;
+    force_ = number == 0 || number == before || forceable_.read_force(number, decode) ? number : 0;
+    if (is_forced()) {
+      // At most one sample in each run, so that `while (port.read())` ends.
+      is_new_ = force_ != before || forced_at_ns_ != context().start_ns;
+      forced_at_ns_ = context().start_ns;
+    } else if (was_forced) {
+      is_new_ = has_value();
+    }
+  }
+  /// Forgets the forced value, because another instance takes over.
+  void drop_force() noexcept { force_ = 0; }
 
   /// Takes the next sample and returns its connection, or null if there is no sample. Starts with the
   /// connection after the one that had the last sample, so that all connections are read in turn.
@@ -173,9 +209,21 @@ class InPortBase : public PortBase {
     return deadline > 0 && context().start_ns - stamp_ns_ > deadline;
   }
 
+  [[nodiscard]] std::int64_t forced_news_at(std::int64_t sample_at) const noexcept {
+    if (!forceable_.is_forced(context().start_ns)) return is_forced() ? 0 : sample_at;
+    return forceable_.forced() == force_ && forced_at_ns_ == context().start_ns ? channel::kNever : 0;
+  }
+
+  /// For an input that no node can force.
+  static inline const std::atomic<std::uint32_t> kNotForced{0};
+
   std::vector<Source> sources_;
   std::vector<Source> aside_;  // the connections while the port is standing by; sources_ is then empty
   channel::Link watched_;
+  channel::Link forceable_;  // the link whose samples may be replaced by a forced value; empty if none
+  const std::atomic<std::uint32_t>* forced_ = &kNotForced;  // the number of the force of `forceable_`
+  std::uint32_t force_ = 0;                                 // the force whose value value() is; 0: none
+  std::int64_t forced_at_ns_ = 0;                           // start of the run that read it last
   bool is_safe_ = false;
   std::size_t turn_ = 0;
   std::size_t taken_from_ = 0;
@@ -206,13 +254,7 @@ class InPort : public InPortBase {
   /// Takes the next sample: the newest if the connection holds the latest value, the oldest if it is a queue.
   /// Returns false if no sample has arrived since the last read(); value() then stays unchanged. The safe
   /// value arrives like a sample: once, when it replaces the last sample. A real-time thread may call it.
-  bool read() noexcept {
-    const bool found = next();
-    if (!watched() || !know_safe()) return found;
-    settle(found);
-    if (is_safe()) value_ = safe_.get();
-    return is_new();
-  }
+  bool read() noexcept { return may_be_forced() ? read_forced() : read_sample(); }
 
   /// Returns the value of the last read(): the newest sample, or the safe value if the sample is too old and
   /// the connection has a safe value. Returns T{} before the first sample. The reference is valid until the
@@ -226,12 +268,13 @@ class InPort : public InPortBase {
     if (const Source* before = add(link, values); before != nullptr && decode(*before))
       take_back(before->reader.info());
     safe_known_ = false;
-    if (!link.has_safe_place() || safe_) return;
-    safe_ = std::make_unique<T>();
-    PortType<T>::reserve(*safe_);
+    if (link.has_safe_place()) make(safe_);
+    if (link.has_force_place()) make(forced_value_);
   }
   void take_over(PortBase& before) noexcept override {
     auto& other = static_cast<InPort&>(before);
+    if (other.is_forced()) other.value_ = other.sample_;
+    other.drop_force();
     follow(other);
     if (!has_value()) return;
     if (is_safe() && know_safe()) {
@@ -253,6 +296,29 @@ class InPort : public InPortBase {
       : InPortBase(owner, std::move(name), direction, PortType<T>::info, std::move(options)) {}
 
  private:
+  static void make(std::unique_ptr<T>& value) {
+    if (value) return;
+    value = std::make_unique<T>();
+    PortType<T>::reserve(*value);
+  }
+  bool read_sample() noexcept {
+    const bool found = next();
+    if (!watched() || !know_safe()) return found;
+    settle(found);
+    if (shows_safe()) value_ = safe_.get();
+    return is_new();
+  }
+  /// Takes samples as usual, because their writer must not notice, but shows the forced value.
+  bool read_forced() noexcept {
+    if (is_forced()) value_ = sample_;
+    read_sample();
+    sample_ = value_;
+    settle_force([this](const std::byte* bytes, std::uint32_t size) noexcept {
+      return PortType<T>::decode(bytes, size, *forced_value_);
+    });
+    if (is_forced()) value_ = forced_value_.get();
+    return is_new();
+  }
   bool next() noexcept {
     begin_read();
     for (int refused = 0; refused < kMostRefused; ++refused) {
@@ -291,7 +357,9 @@ class InPort : public InPortBase {
   std::array<T, 2> own_{};   // two buffers, into which samples are decoded in turn
   std::unique_ptr<T> safe_;  // null if no output with a safe value is connected
   bool safe_known_ = false;
+  std::unique_ptr<T> forced_value_;  // null if the input cannot be forced
   const T* value_ = own_.data();
+  const T* sample_ = own_.data();  // while the input is forced: the value that it would have otherwise
 };
 
 }  // namespace takt
