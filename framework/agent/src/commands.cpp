@@ -127,6 +127,10 @@ void Agent::receive(const wire::WholeCommand& command) {
       return trace(head);
     case COMMAND_SWAP:
       return swap(head);
+    case COMMAND_FORCE:
+      return force(command);
+    case COMMAND_END_FORCE:
+      return end_force(command);
   }
   answer(head, REPLY_REFUSED,
          "this node does not know command number " + std::to_string(static_cast<std::uint32_t>(head.kind())));
@@ -334,6 +338,51 @@ void Agent::tap(const Command& command) {
   if (!tapped->reply_topic.empty())
     data["reply"] = {{"topic", tapped->reply_topic}, {"type", tapped->reply_type}};
   answer(command, REPLY_OK, "", model::json_text(data));
+}
+
+namespace {
+
+/// Who sent a command: an authenticated sender or, in a cell without DDS Security, what the client says.
+std::string sender_of(const wire::WholeCommand& command) {
+  const std::string said = command.who.empty() ? command.head.value().to_string() : command.who;
+  return said.empty() ? "an unknown client" : said;
+}
+
+}  // namespace
+
+void Agent::force(const wire::WholeCommand& command) {
+  const Command& head = command.head;
+  if (!runs(head)) return;
+  const auto module = module_of(head);
+  if (!module) return;
+  const Nanoseconds duration{head.time_ns()};
+  if (!command.data.empty() && (duration <= Nanoseconds{0} || duration > kLongestForce)) {
+    return answer(head, REPLY_REFUSED,
+                  "an input can be forced for at most " + takt::to_text(kLongestForce) + ", but not for " +
+                      takt::to_text(duration));
+  }
+  const auto value = deployment_->supervised->force(*module, {.port = head.property().to_string(),
+                                                              .data = command.data,
+                                                              .client = client_of(head),
+                                                              .by = sender_of(command),
+                                                              .duration = duration});
+  if (value)
+    answer(head, REPLY_OK, "", *value);
+  else
+    reply_problems(head, REPLY_REFUSED, value.problems());
+}
+
+void Agent::end_force(const wire::WholeCommand& command) {
+  const Command& head = command.head;
+  if (!runs(head)) return;
+  const auto module = module_of(head);
+  if (!module) return;
+  const auto ended =
+      deployment_->supervised->end_force(*module, head.property().to_string(), sender_of(command));
+  if (ended)
+    answer(head, REPLY_OK, "");
+  else
+    reply_problems(head, REPLY_REFUSED, ended.problems());
 }
 
 void Agent::trace(const Command& command) {

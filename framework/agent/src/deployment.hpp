@@ -23,6 +23,13 @@ struct Agent::Transaction {
   bool complete = false;               ///< this device has everything that it needs to go forward
 };
 
+/// Returns a text that identifies the client of a command. The ids of one client's commands differ only after
+/// the last '-'.
+[[nodiscard]] inline std::string client_of(const Command& command) {
+  const std::string id = command.id().to_string();
+  return id.substr(0, id.rfind('-'));
+}
+
 [[nodiscard]] inline bool is_given_up(const LifecycleStatus& module) {
   return module.state() == STATE_DESTRUCT && module.event() == EVENT_GIVE_UP;
 }

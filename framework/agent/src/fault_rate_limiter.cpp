@@ -42,6 +42,8 @@ bool may_flood(FaultKind kind) {
     case FaultKind::log_warning:
     case FaultKind::log_info:
     case FaultKind::log_debug:
+    case FaultKind::forced:
+    case FaultKind::force_ended:
       return false;
   }
   return true;

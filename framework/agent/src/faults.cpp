@@ -28,6 +28,8 @@ std::string command_text(const Command& command) {
   if (command.kind() == COMMAND_SET)
     text += " " + command.property().to_string() + " = " + command.value().to_string();
   if (command.kind() == COMMAND_SWAP) text += " to " + command.value().to_string();
+  if (command.kind() == COMMAND_FORCE || command.kind() == COMMAND_END_FORCE)
+    text += " " + command.property().to_string();
   return text;
 }
 
@@ -105,13 +107,10 @@ void Agent::note_answer(const Command& command, ReplyCode code, const std::strin
   if (command.kind() == COMMAND_CHANGE && code == REPLY_FAILED) return;  // the undone update is recorded
   const std::string what = command_text(command);
   const bool begins_with_it = text.starts_with(what + " ");  // as in "stop is not allowed in state START"
-  // The ids of one client's commands differ only after the last '-', so the part before the '-' identifies
-  // the client.
-  const std::string id = command.id().to_string();
   note({.module = module,
         .kind = code == REPLY_FAILED ? FaultKind::failed_command : FaultKind::refused_command,
         .cause = begins_with_it ? text : what + ": " + text},
-       id.substr(0, id.rfind('-')));
+       client_of(command));
 }
 
 // Records when other devices of the running cell are lost or come back.

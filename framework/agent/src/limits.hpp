@@ -41,6 +41,8 @@ inline constexpr Nanoseconds kTwinBack = std::chrono::seconds{10};
 inline constexpr std::chrono::seconds kSameAge{2};
 /// The longest time that one request keeps a tap of a port open; a further request extends this time.
 inline constexpr Nanoseconds kLongestTap = std::chrono::seconds{60};
+/// The longest time for which an operator can force an input.
+inline constexpr Nanoseconds kLongestForce = std::chrono::hours{1};
 /// How many undeployed deployments the agent remembers, so that a device that missed the undeploy command can
 /// still learn of it.
 inline constexpr std::size_t kUndeployedKept = 64;

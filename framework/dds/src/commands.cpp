@@ -255,6 +255,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
       wire::WholeCommand whole;
       if (!assembly.add(command, std::to_string(client) + '/' + command.id().c_str(), whole)) continue;
       DiscoveryListener* const listener = ends.participant().discovery_listener();
+      if (listener != nullptr) whole.who = listener->who(prefix);
       const bool is_observer = from->get_topicdescription()->get_name() == security::kQuestionTopic;
       if (is_observer && listener != nullptr && !wire::is_question(command.kind()))
         refuse(std::move(whole), client, listener->who(prefix));

@@ -53,6 +53,8 @@ constexpr std::array<KindWord, kFaultKinds> kKinds{{
     {"log-warning", Severity::warning},
     {"log-info", Severity::note},
     {"log-debug", Severity::note},
+    {"forced", Severity::warning},
+    {"force-ended", Severity::note},
 }};
 
 const KindWord* kind_of(FaultKind kind) noexcept {

@@ -36,7 +36,8 @@ std::optional<wire::Judgement> Health::judge(const model::Port& port, const Port
                                 .deadline = health.deadline,
                                 .losing = health.losing,
                                 .dropping = health.dropping,
-                                .incompatible = health.incompatible};
+                                .incompatible = health.incompatible,
+                                .forced = health.forced};
   if (health.age_ns >= 0) report.age = Nanoseconds{health.age_ns};
   return wire::judge(report);
 }
@@ -109,7 +110,8 @@ void Health::check_port(const Member& member, const model::Port& port, Instant n
       std::any_of(member.inputs.begin(), member.inputs.end(), [&](const Wiring::CreatedLink* created) {
         const std::int64_t newest = created->link.block().newest_ns.load(std::memory_order_relaxed);
         return created->plan.to.port == port.name &&
-               now - from_ns(newest) > Nanoseconds{created->plan.options.deadline_ns};
+               now - from_ns(newest) > Nanoseconds{created->plan.options.deadline_ns} &&
+               !created->link.is_forced(to_ns(now));
       });
   if (noted.stale && !late) {
     noted.stale = false;

@@ -18,7 +18,8 @@ void Supervisor::check_inputs(Member& member, Instant now) {
     channel::LinkBlock& block = created->link.block();
     const Instant newest =
         std::max(from_ns(block.newest_ns.load(std::memory_order_relaxed)), member.put_in_at);
-    const bool late = now - newest > Nanoseconds{created->plan.options.deadline_ns};
+    const bool late =
+        now - newest > Nanoseconds{created->plan.options.deadline_ns} && !created->link.is_forced(to_ns(now));
     if (late && !created->late) block.late.fetch_add(1, std::memory_order_relaxed);
     created->late = late;
     if (late && created->plan.stale == model::Stale::error && stale == nullptr) stale = created;
@@ -31,7 +32,7 @@ void Supervisor::check_inputs(Member& member, Instant now) {
 
 bool Supervisor::has_stale_input(const Member& member, Instant now) {
   return std::any_of(member.inputs.begin(), member.inputs.end(), [now](const Wiring::CreatedLink* created) {
-    if (created->plan.stale != model::Stale::error) return false;
+    if (created->plan.stale != model::Stale::error || created->link.is_forced(to_ns(now))) return false;
     const std::int64_t newest = created->link.block().newest_ns.load(std::memory_order_relaxed);
     return newest == 0 || now - from_ns(newest) > Nanoseconds{created->plan.options.deadline_ns};
   });

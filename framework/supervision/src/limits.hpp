@@ -24,6 +24,8 @@ inline constexpr Nanoseconds kAttachLimit = std::chrono::seconds{5};
 /// The time that the node waits for a process module to end before it uses a stronger means. The node first
 /// sets the flag that ends the module's wait for releases, then sends SIGTERM, and finally SIGKILL.
 inline constexpr Nanoseconds kProcessEndLimit = std::chrono::seconds{1};
+/// A force of an input ends if its client does not renew it within this time.
+inline constexpr Nanoseconds kForceLease = std::chrono::seconds{2};
 /// The time that a program may take to get or set a property of its own.
 inline constexpr Nanoseconds kPropertyLimit = std::chrono::seconds{2};
 /// The time that the executors' threads may take to end their row after they were told to halt.

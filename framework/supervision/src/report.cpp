@@ -5,6 +5,7 @@
 
 #include <takt/supervision/supervisor.hpp>
 #include <takt/wire/words.hpp>
+#include "forces.hpp"
 #include "health.hpp"
 #include "hosted.hpp"
 #include "limits.hpp"
@@ -134,6 +135,7 @@ Measures Supervisor::measures() const {
     for (const model::Port& port : *ports) {
       const PortHealth health = health_->of(*member, port, now);
       PortStatus status;
+      wire::set(status.forced(), forces_->by(*member, port.name));
       wire::set(status.path(),
                 wire::path_of(parts_.cell.name, device().name, member->model.name) + "/" + port.name);
       wire::set(status.cell(), parts_.cell.name);
@@ -206,10 +208,13 @@ json Supervisor::report() const {
     if (!ports || ports->empty()) continue;
     json& list = modules.back()["ports"] = json::array();
     for (const model::Port& port : *ports) {
-      const PortHealth health = health_->of(*member, port, now);
+      PortHealth health = health_->of(*member, port, now);
+      health.forced = forces_->by(*member, port.name);
       // The values of a module that has not run since its start are old, but this is no fault.
       list.push_back(
           in_json(port, health, member->awaits_release() ? std::nullopt : health_->judge(port, health)));
+      if (json forced = forces_->report(*member, port.name, now); !forced.is_null())
+        list.back()["forced"] = std::move(forced);
     }
   }
   json report{{"name", device().name},

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include <takt/supervision/supervisor.hpp>
+#include "forces.hpp"
 #include "health.hpp"
 #include "hosted.hpp"
 #include "limits.hpp"
@@ -20,6 +21,7 @@ void Supervisor::stop() {
   asked_at_ = time();
   for (auto& member : members_) {
     member->up_to = State::start;
+    forces_->end_all(*member, "the device stops");
     if (member->command) end_command(*member, REPLY_FAILED, "the device is stopping");
   }
   // The modules stay in the tables until the last row has ended, so that no row runs without them.

@@ -5,6 +5,7 @@
 #include <takt/core/words.hpp>
 #include <takt/schedule/plan.hpp>
 #include "fault_notes.hpp"
+#include "forces.hpp"
 #include "health.hpp"
 #include "hosted.hpp"
 #include "limits.hpp"
@@ -26,6 +27,9 @@ Supervisor::Supervisor(Options options, std::shared_ptr<Platform> platform)
              .ports = std::move(options_.ports)},
       platform_(std::move(platform)),
       notes_(std::make_unique<FaultNotes>(options_.noted)),
+      forces_(std::make_unique<Forces>(
+          parts_, members_, *notes_,
+          [this](const Member& member, const std::string& text) { log(member, text); })),
       health_(std::make_unique<Health>(parts_, members_, flows_, *notes_, options_.is_lost)),
       properties_(std::make_unique<Properties>()) {}
 
@@ -145,6 +149,7 @@ void Supervisor::step() {
     if (member->is_process()) check_process(*member);
   }
   step_properties(now);
+  forces_->check(now);
   if (phase_ == Phase::ended) return;
   if (flows_) flows_->step(now);
   check_writers();
@@ -186,22 +191,33 @@ Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, In
                 known.empty() ? "it has no ports" : suggestion(port, known));
   }
   if (found->direction != model::Direction::out) {
+    const std::string by = forces_->by(*members_.at(module), port);
+    const std::string input =
+        "port " + name + "." + port + " is an input" + (by.empty() ? "" : ", which is forced by " + by);
     for (const model::Connection& connection : parts_.cell.connections) {
       if (connection.to.device != device().name || connection.to.module != device().modules[module].name ||
           connection.to.port != port) {
         continue;
       }
-      return fail("port " + name + "." + port + " is an input",
-                  connection.from.given()
-                      ? "use the output that it is connected to: " + connection.from.device + "." +
-                            connection.from.module + "." + connection.from.port
-                      : "its samples are on topic " + connection.topic);
+      return fail(input, connection.from.given()
+                             ? "use the output that it is connected to: " + connection.from.device + "." +
+                                   connection.from.module + "." + connection.from.port
+                             : "its samples are on topic " + connection.topic);
     }
     return fail("port " + name + "." + port + " is an input without a connection");
   }
   if (auto tapped = flows_->tap(module, port, until); !tapped) return tapped.problems();
   const PlannedFlow& flow = *parts_.wiring.flow_of(module, port);
   return Tapped{flow.topic, model::to_text(flow.type), flow.reliable};
+}
+
+Result<std::string> Supervisor::force(std::uint32_t module, const ForceRequest& request) {
+  if (phase_ != Phase::running) return fail("the device is not running");
+  return forces_->force(*members_.at(module), request, time());
+}
+
+Result<void> Supervisor::end_force(std::uint32_t module, const std::string& port, const std::string& who) {
+  return forces_->end(*members_.at(module), port, who);
 }
 
 Result<Tapped> Supervisor::open_service(std::uint32_t module, const model::Port& request, Instant until) {
@@ -317,6 +333,7 @@ void Supervisor::put_in_tables(Member& member) {
 }
 
 void Supervisor::take_from_tables(Member& member) {
+  forces_->end_all(member, "the module left its table");
   trust(member, false);
   member.put_in = false;
   member.removal.begin(memory_of(member));

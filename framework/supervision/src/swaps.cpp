@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <takt/supervision/supervisor.hpp>
+#include "forces.hpp"
 #include "hosted.hpp"
 #include "limits.hpp"
 #include "member.hpp"
@@ -65,6 +66,7 @@ void Supervisor::swap(std::uint32_t module, const std::string& path,
     return;
   }
   log(member, "command: swap to " + path);
+  forces_->end_all(member, "the module is swapped");
   member.swap = PendingSwap{.path = path, .values = values, .done = std::move(done)};
   host_of(member).process->ask({.what = host::Request::Do::swap,
                                 .module = module,

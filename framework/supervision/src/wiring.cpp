@@ -109,6 +109,13 @@ class Planner {
             .enabled = true};
   }
 
+  /// The bytes that a link reserves for a forced value of its reader.
+  static std::uint32_t force_room(const Connection& connection, const model::Port& to) {
+    const bool forceable = to.direction == Direction::in && to.role == model::Role::plain &&
+                           connection.kind == ConnectionKind::latest;
+    return forceable && payload_of(to) <= kMostForced ? payload_of(to) : 0;
+  }
+
   [[nodiscard]] std::uint32_t ahead(std::uint32_t writer, const model::Module* reader) const {
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(
         schedule::samples_ahead(device_, device_.modules[writer], reader), channel::kMaxLinkDepth - 1));
@@ -133,6 +140,7 @@ class Planner {
       if (!link.safe.empty()) link.writer = connection.from;
     }
     if (link.writer.given()) link.options.safe = payload_of(*from->port);
+    link.options.force = force_room(connection, *to->port);
     plan_.links.push_back(link);
   }
 
@@ -220,6 +228,7 @@ class Planner {
     if (connection.from.given() && !is_here(connection.from)) link.sender = connection.from.device;
     link.options = options_of(connection, *to->port);
     link.options.wake_bits = wake_bits(*to);
+    link.options.force = force_room(connection, *to->port);
     link.stale = connection.stale;
     if (may_be_safe(connection, *to->port)) {
       link.writer = connection.from;
@@ -406,7 +415,7 @@ PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::in
     health.refused += output ? block.unfit.load(relaxed) : block.refused.load(relaxed);
     health.late += block.late.load(relaxed);
     newest = std::max(newest, block.newest_ns.load(relaxed));
-    if (!output && !created.link.safe().empty()) {
+    if (!output && !created.link.safe().empty() && !created.link.is_forced(now_ns)) {
       const std::int64_t last = block.newest_ns.load(relaxed);
       health.safe |= created.link.trusted_from() > written || written == 0 ||
                      (block.deadline_ns > 0 && now_ns - last > block.deadline_ns);

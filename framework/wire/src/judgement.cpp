@@ -19,6 +19,8 @@ const char* to_text(Rating rating) noexcept {
 }
 
 Judgement judge(const ConnectionReport& connection) {
+  // The reader does not use the connection now, so a force hides the state of the connection.
+  if (!connection.forced.empty()) return {Rating::poor, "forced", "by " + connection.forced};
   if (!connection.incompatible.empty()) return {Rating::broken, "not matched", connection.incompatible};
   if (!connection.matched && !connection.outside) return {Rating::broken, "not matched"};
   // Before the first value, the reader gets the safe value without any fault.
@@ -40,7 +42,7 @@ Rating judge(const ModuleReport& module) noexcept {
   if (module.lost || module.state == "RECOVER" || (module.state == "DESTRUCT" && module.given_up))
     return Rating::bad;
   if (module.state != "EXECUTING") return Rating::idle;
-  return module.safe_stop ? Rating::poor : Rating::good;
+  return module.safe_stop || module.forced ? Rating::poor : Rating::good;
 }
 
 Rating judge(const DeviceReport& device) noexcept {

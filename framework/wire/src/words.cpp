@@ -164,6 +164,10 @@ const char* to_text(CommandKind kind) noexcept {
       return "swap";
     case COMMAND_TRACE:
       return "trace";
+    case COMMAND_FORCE:
+      return "force";
+    case COMMAND_END_FORCE:
+      return "end the force";
   }
   return "?";
 }

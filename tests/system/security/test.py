@@ -168,6 +168,32 @@ class Security(takt_system.Case):
                 return file.read()
         return seen
 
+    def test_an_observer_cannot_force_an_input_and_the_node_names_the_operator_who_does(self):
+        cell = self.write("watched.xml", WATCHED)
+        self.secure("update", "keys", cell)
+        nodes = self.started()
+        self.deploy(cell)
+        force = self.as_one("observers/eve", "force", "robot.sink.in", "number=1", "--for", "60")
+        self.assertEqual(1, force.status, force.out)
+        self.assertIn("observer eve at 10.77.0.3 may only observe, not force", force.err)
+        force = self.start("force", "robot.sink.in", "number=1", "--for", "3600", before=self.net.on("operator"),
+                           environment=dict(self.environment, TAKT_SECURITY=os.path.join(self.keys, "operators/anna")))
+        wait_until(lambda: "is forced to" in force.out or force.status is not None, "the force")
+        seen = self.as_one("observers/eve", "force")
+        self.assertRegex(seen.out, r"robot\.sink\.in +operator anna at 10\.77\.0\.3", seen.err)
+        end = self.as_one("observers/eve", "force", "--end", "robot.sink.in")
+        self.assertEqual(1, end.status, end.out)
+        self.assertIn("observer eve at 10.77.0.3 may only observe, not end the force", end.err)
+        force.signal(signal.SIGINT)
+        self.assertEqual(0, force.wait().status, force.err)
+        log = self.as_one("observers/eve", "log", "--json", "--kind", "forced,force-ended")
+        causes = [json.loads(line)["cause"] for line in log.out.splitlines()]
+        self.assertEqual(2, len(causes), log.out + log.err)
+        self.assertTrue(causes[0].endswith("for at most 3600 s, by operator anna at 10.77.0.3"), causes)
+        self.assertTrue(causes[1].endswith(": operator anna at 10.77.0.3 ended it"), causes)
+        self.undeploy("operators/anna")
+        self.end(nodes)
+
     def test_the_network_traffic_of_a_secured_cell_is_unreadable(self):
         sniffed = self.sniff()
         nodes = self.started()

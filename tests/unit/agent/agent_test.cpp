@@ -103,6 +103,45 @@ TEST(Agent, RejectsExtremeTimesInCommandsWithoutOverflow) {
   }
 }
 
+TEST(Agent, ForcesAnInputForAtMostAnHourAndSaysWhoAsked) {
+  FakeDevice device;
+  device.become_running();
+  wire::WholeCommand force = device.command(COMMAND_FORCE);
+  force.head.id("client-1");
+  force.head.module_name("servo");
+  force.head.property("setpoint");
+  force.head.value("bert on desk");
+  force.head.time_ns(Nanoseconds{std::chrono::hours{1}}.count());
+  force.data = R"({"value": 1})";
+  device.receive(force);
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  force.head.id("client-2");
+  force.who = "operator anna at 10.0.0.7";
+  device.receive(force);
+  ASSERT_EQ(device.work.forces.size(), 2U);
+  EXPECT_EQ(device.work.forces[0].second.by, "bert on desk");
+  EXPECT_EQ(device.work.forces[0].second.data, force.data);
+  EXPECT_EQ(device.work.forces[1].second.by, "operator anna at 10.0.0.7") << "not what the client says";
+  EXPECT_EQ(device.work.forces[1].second.client, device.work.forces[0].second.client);
+  EXPECT_EQ(device.work.forces[1].second.duration, std::chrono::hours{1});
+
+  for (const std::int64_t time : {std::int64_t{0}, std::int64_t{-1}, force.head.time_ns() + 1,
+                                  std::numeric_limits<std::int64_t>::min()}) {
+    force.head.id("client-3" + std::to_string(time));
+    force.head.time_ns(time);
+    device.receive(force);
+    EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << time;
+    EXPECT_THAT(device.reply().text().to_string(), HasSubstr("at most 3600 s"));
+  }
+  wire::WholeCommand end = device.command(COMMAND_END_FORCE);
+  end.head.module_name("servo");
+  end.head.property("setpoint");
+  end.head.value("eve");
+  device.receive(end);
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_THAT(device.work.ended_forces, testing::ElementsAre("0 setpoint by eve"));
+}
+
 TEST(Agent, FailsPendingDescribeCommandsWhenTheDeploymentEnds) {
   FakeDevice device;
   device.become_running();

@@ -57,6 +57,8 @@ struct Work {
   std::vector<std::pair<std::uint32_t, Verb>> commands;
   /// Requests for properties of modules: "0 gain" reads `gain` of module 0, and "0 gain = 2" sets it to 2.
   std::vector<std::string> properties;
+  std::vector<std::pair<std::uint32_t, supervision::ForceRequest>> forces;
+  std::vector<std::string> ended_forces;
   Result<void> may_swap{};
   std::vector<std::pair<std::uint32_t, std::string>> swaps;
   std::vector<std::function<void(const Outcome&)>> done;
@@ -108,6 +110,14 @@ class FakeSupervised final : public Supervised {
   }
   Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant) override {
     return Tapped{"takt/cell/robot/" + std::to_string(module) + "/" + port, "t", false};
+  }
+  Result<std::string> force(std::uint32_t module, const supervision::ForceRequest& request) override {
+    work_.forces.emplace_back(module, request);
+    return request.data;
+  }
+  Result<void> end_force(std::uint32_t module, const std::string& port, const std::string& who) override {
+    work_.ended_forces.push_back(std::to_string(module) + " " + port + " by " + who);
+    return {};
   }
   void get(std::uint32_t module, const std::string& property,
            std::function<void(const Outcome&)> done) override {

@@ -74,6 +74,16 @@ TEST(WatchList, ShowsASafeStopInsteadOfTheState) {
                                      Not(HasSubstr("all EXECUTING"))));
 }
 
+TEST(WatchList, ShowsThatAnInputOfAModuleIsForced) {
+  Snapshot snapshot = cell(2);
+  Module& module = snapshot.devices[1].modules[1];
+  module.forced = true;
+  module.text = "forced: in by operator anna";
+  EXPECT_EQ(state_of(snapshot.devices[0], module, {}).ink, Ink::warning);
+  EXPECT_THAT(drawn(snapshot), AllOf(HasSubstr("! forced"), HasSubstr("in by operator anna"),
+                                     HasSubstr("1 forced"), Not(HasSubstr("all EXECUTING"))));
+}
+
 TEST(WatchList, CanBeSortedByEachNumericColumn) {
   Snapshot snapshot = cell(2);
   snapshot.devices.erase(snapshot.devices.begin());

@@ -417,6 +417,23 @@ TEST_F(PlannedWiring, GivesASafeValueOnlyToReadersOfTheLatestValue) {
   }
 }
 
+TEST_F(PlannedWiring, HasRoomForAForcedValueOnlyInLinksToInputsOfTheLatestValue) {
+  connect(end("here", "a", "out"), end("here", "b", "in"));
+  connect(end("here", "a", "out"), end("here", "b", "event"));
+  connect(end("here", "a", "out"), end("here", "c", "in")).kind = model::ConnectionKind::queue;
+  connect(end("there", "x", "out"), end("here", "p", "in"));
+  const WiringPlan planned = plan();
+  const auto links = local(planned);
+  EXPECT_TRUE(links[0].typed);
+  EXPECT_EQ(links[0].options.force, model::max_size((*ports[0])[0].type));
+  EXPECT_EQ(links[1].options.force, 0U);
+  EXPECT_EQ(links[2].options.force, 0U);
+  const auto incoming = std::find_if(planned.links.begin(), planned.links.end(),
+                                     [](const PlannedLink& link) { return !link.from.module; });
+  ASSERT_NE(incoming, planned.links.end());
+  EXPECT_GT(incoming->options.force, 0U);
+}
+
 TEST_F(PlannedWiring, PrefersTheSafeValueOfTheDescriptorToThatOfTheComponent) {
   (*ports[0])[2].safe = R"({"x": 7})";
   cell.devices[0].modules[0].safe = {{"out", {{"x", "2.5"}}}};

@@ -48,6 +48,7 @@ TEST(Metrics, MeasureTimesInSeconds) {
           HasSubstr(
               "takt_executor_margin_seconds{cell=\"press\",device=\"robot\",executor=\"main\"} 5e-05\n"),
           HasSubstr("takt_device_host_restarts_total{cell=\"press\",device=\"robot\"} 2\n"),
+          HasSubstr("takt_device_forced_inputs{cell=\"press\",device=\"robot\"} 0\n"),
           HasSubstr("takt_faults_total{device=\"robot\",severity=\"error\"} 5\n"),
           HasSubstr("takt_web_viewers 2\n")));
 }
@@ -92,8 +93,9 @@ TEST(Metrics, ShowTheHealthOfEachConnection) {
 }
 
 TEST(Metrics, OmitMetricFamiliesWithoutSamples) {
-  EXPECT_EQ(metrics_text({}, nullptr, {}),
-            "# HELP takt_web_viewers Open event streams.\n# TYPE takt_web_viewers gauge\ntakt_web_viewers 0\n");
+  EXPECT_EQ(
+      metrics_text({}, nullptr, {}),
+      "# HELP takt_web_viewers Open event streams.\n# TYPE takt_web_viewers gauge\ntakt_web_viewers 0\n");
 }
 
 TEST(Metrics, ContainEveryMetricThatTheDashboardUses) {

@@ -82,6 +82,19 @@ TEST(StatusJson, SaysThatAModuleIsInASafeStopIfItsOutputsReportIt) {
   EXPECT_EQ(measures_json(devices, nullptr, 0)["modules"]["robot.servo"]["safe_stop"], true);
 }
 
+TEST(StatusJson, MarksForcedInputsAtTheModuleAndAtTheConnection) {
+  auto devices = cell_that_runs();
+  const model::Cell press = cell();
+  EXPECT_FALSE(measures_json(devices, &press, 0)["modules"]["robot.servo"].contains("forced"));
+  PortStatus& port = devices[1].deployment.ports.at("servo.angle").status;
+  wire::set(port.port(), "angle");
+  wire::set(port.forced(), "operator anna");
+  const Json json = measures_json(devices, &press, 0);
+  EXPECT_EQ(json["modules"]["robot.servo"]["forced"], "angle by operator anna");
+  EXPECT_EQ(json["connections"]["1"]["rating"], "poor");
+  EXPECT_EQ(json["connections"]["1"]["reason"], "forced: by operator anna");
+}
+
 TEST(StatusJson, DoesNotJudgeThePortsOfAModuleThatWaitsForItsFirstRelease) {
   auto devices = cell_that_runs();
   devices[0].alive = true;

@@ -43,6 +43,17 @@ TEST(ConnectionJudgement, IsGoodIfNoOtherProgramUsesATopic) {
   EXPECT_EQ(reason({.matched = false, .outside = true, .deadline = 20ms}), "stale");
 }
 
+TEST(ConnectionJudgement, IsPoorWhileTheInputIsForcedWhateverArrives) {
+  for (const ConnectionReport& report :
+       {ConnectionReport{.age = 1ms, .forced = "operator anna"},
+        ConnectionReport{
+            .matched = false, .deadline = 1ms, .incompatible = "x", .forced = "operator anna"}}) {
+    EXPECT_EQ(rating(report), Rating::poor);
+    EXPECT_EQ(reason(report), "forced: by operator anna");
+  }
+  EXPECT_EQ(judge(ModuleReport{.state = "EXECUTING", .forced = true}), Rating::poor);
+}
+
 TEST(ConnectionJudgement, IsBrokenIfBothEndsBelongToTheCellButOnlyOneIsThere) {
   EXPECT_EQ(rating({.matched = false, .age = 1ms}), Rating::broken);
   EXPECT_EQ(reason({.matched = false}), "not matched");

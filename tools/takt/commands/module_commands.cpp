@@ -25,6 +25,8 @@ namespace takt::tool {
 
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct ModuleCommand {
   CommandKind kind;
   const char* name;
@@ -124,7 +126,6 @@ Result<nlohmann::ordered_json> properties_of(client::Operator& sender, const Tar
   const auto answer = client::accepted(
       sender.send({.kind = COMMAND_DESCRIBE, .device = target.device, .limit = std::chrono::seconds{10}}));
   if (!answer) return answer.problems();
-  using Json = nlohmann::ordered_json;
   const auto modules = client::described_modules(target.device, answer->data);
   if (!modules) return modules.problems();
   const auto module = std::find_if(modules->begin(), modules->end(),

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <takt/client/network.hpp>
 #include <takt/core/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/model/validate.hpp>

@@ -171,7 +171,8 @@ CellHealth::Connection health_of(const ObservedCell::Port& port, const Connectio
       .lost = port.lost,
       .dropped = port.dropped,
       .late = port.late,
-      .incompatible = port.incompatible};
+      .incompatible = port.incompatible,
+      .forced = port.forced};
 }
 
 CellHealth health_of(const Cell& cell, const Json& status) {
@@ -204,6 +205,7 @@ CellHealth health_of(const Cell& cell, const Json& status) {
         }
         if (const Json& policy = port.at("incompatible"); !policy.is_null())
           one.incompatible = policy.get<std::string>();
+        if (port.contains("forced")) one.forced = port["forced"].at("by").get<std::string>();
         observed.ports[path + "." + port.at("name").get<std::string>()] = std::move(one);
       }
     }

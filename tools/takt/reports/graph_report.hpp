@@ -47,6 +47,7 @@ struct ObservedCell {
     std::uint64_t dropped = 0;
     std::uint64_t late = 0;
     std::string incompatible{};
+    std::string forced{};
   };
   std::map<std::string, CellHealth::Device> devices{};
   std::map<std::string, std::string> modules{};

@@ -236,7 +236,8 @@ wire::Rating rating_of(const Device& device, const Module& module) {
   return wire::judge(wire::ModuleReport{.state = module.state,
                                         .lost = !device.alive,
                                         .given_up = module.given_up,
-                                        .safe_stop = module.safe_stop});
+                                        .safe_stop = module.safe_stop,
+                                        .forced = module.forced});
 }
 
 State state_of(const Device& device, ScreenStyle style) {
@@ -258,7 +259,11 @@ State state_of(const Device& device, const Module& module, ScreenStyle style) {
                      : rating != wire::Rating::idle ? kTrouble
                      : module.state == "START"      ? kReady
                                                     : kNotYet;
-  return state(sign, module.safe_stop ? "safe stop" : module.state, ink_of(rating), style);
+  return state(sign,
+               module.safe_stop ? "safe stop"
+               : module.forced  ? "forced"
+                                : module.state,
+               ink_of(rating), style);
 }
 
 State state_of(const Connection& connection, ScreenStyle style) {

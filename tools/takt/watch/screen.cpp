@@ -31,6 +31,7 @@ Line title(const Snapshot& snapshot, std::size_t columns) {
   std::size_t modules = 0;
   std::set<std::string> bad;  // the states of modules that are bad
   std::size_t safe_stops = 0;
+  std::size_t forced = 0;
   for (const Device& device : snapshot.devices) {
     modules += device.modules.size();
     for (const Module& module : device.modules) {
@@ -38,6 +39,7 @@ Line title(const Snapshot& snapshot, std::size_t columns) {
       ++states[state];
       if (rating_of(device, module) == wire::Rating::bad) bad.insert(state);
       if (device.alive) safe_stops += module.safe_stop ? 1 : 0;
+      if (device.alive) forced += module.forced ? 1 : 0;
     }
   }
   const auto lost = std::count_if(snapshot.devices.begin(), snapshot.devices.end(),
@@ -55,7 +57,8 @@ Line title(const Snapshot& snapshot, std::size_t columns) {
                       bad.contains(state) ? Ink::bad : Ink::plain);
   }
   if (safe_stops > 0) counts.gap(2).add(fmt::format("{} in a safe stop", safe_stops), Ink::warning);
-  if (safe_stops == 0 && modules > 0 && states["EXECUTING"] == modules)
+  if (forced > 0) counts.gap(2).add(fmt::format("{} forced", forced), Ink::warning);
+  if (safe_stops == 0 && forced == 0 && modules > 0 && states["EXECUTING"] == modules)
     counts.gap(2).add("all EXECUTING", Ink::good);
   const std::string cells = cells_of(snapshot);
   const std::size_t needed = counts.width() + cells.size() + (cells.empty() ? 0 : 2);

@@ -64,6 +64,7 @@ struct Module {
   bool stopped = false;    ///< an operator stopped the module, so it is in START although its device runs
   bool given_up = false;   ///< the node gave the module up after an error
   bool safe_stop = false;  ///< the module reports that it is in a safe stop
+  bool forced = false;     ///< an operator forces an input of the module
   std::optional<Measured> measured{};
   std::optional<Planned> planned{};
   std::string component{};  ///< file, version and hash: "servo.so 1.2.0 3fa91c02"; empty if not known

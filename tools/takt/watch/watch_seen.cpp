@@ -265,6 +265,9 @@ watch::Snapshot Watched::snapshot(const std::vector<wire::ObservedDevice>& devic
       module.given_up = status.event() == EVENT_GIVE_UP;
       module.safe_stop = status.state() == STATE_EXECUTING && web::in_safe_stop(each, name);
       if (module.safe_stop) module.text = "it is in a safe stop";
+      const std::string forced = web::forced_inputs(each, name);
+      module.forced = !forced.empty();
+      if (module.forced && module.text.empty()) module.text = "forced: " + forced;
       if (const auto found = each.deployment.statistics.find(name); found != each.deployment.statistics.end())
         module.measured = measured(found->second);
       if (const model::Module* plan = planned_of(cell, device.name, name)) module.planned = planned(*plan);

@@ -86,6 +86,7 @@ std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const m
                    "1 if the system allows real-time scheduling on the device, else 0."};
   Metric restarts{"takt_device_host_restarts_total", kCounter,
                   "Restarts of the device's host, which is its real-time process."};
+  Metric forced{"takt_device_forced_inputs", kGauge, "Inputs of the device that an operator forces."};
   for (const wire::ObservedDevice& device : devices) {
     const DeviceStatus& s = device.status;
     const Labels labels{{"cell", s.cell().to_string()}, {"device", device.name()}};
@@ -104,6 +105,11 @@ std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const m
                  s.health() == static_cast<DeviceHealth>(i));
     real_time.add(labels, s.real_time());
     restarts.add(labels, std::uint64_t{s.host_restarts()});
+    const auto& ports = device.deployment.ports;
+    forced.add(labels,
+               static_cast<std::uint64_t>(std::count_if(ports.begin(), ports.end(), [](const auto& p) {
+                 return p.second.status.forced().size() != 0;
+               })));
   }
   // Report a device of the cell as down if `devices` does not contain it: it was lost before this program
   // started.
@@ -113,7 +119,7 @@ std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const m
     });
     if (!found) up.add({{"cell", cell->name}, {"device", device.name}}, false);
   }
-  return up.text() + state.text() + health.text() + real_time.text() + restarts.text();
+  return up.text() + state.text() + health.text() + real_time.text() + restarts.text() + forced.text();
 }
 
 std::string of_modules(const std::vector<wire::ObservedDevice>& devices) {

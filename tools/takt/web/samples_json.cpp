@@ -118,6 +118,18 @@ bool in_safe_stop(const wire::ObservedDevice& device, const std::string& module)
   return false;
 }
 
+std::string forced_inputs(const wire::ObservedDevice& device, const std::string& module) {
+  std::string list;
+  const auto& ports = device.deployment.ports;
+  for (auto at = ports.lower_bound(module + "."); at != ports.end() && at->first.starts_with(module + ".");
+       ++at) {
+    const PortStatus& status = at->second.status;
+    if (status.forced().size() == 0) continue;
+    list += (list.empty() ? "" : ", ") + status.port().to_string() + " by " + status.forced().to_string();
+  }
+  return list;
+}
+
 ObservedCell::Port observed(const wire::ObservedPort& port) {
   const PortStatus& status = port.status;
   ObservedCell::Port result{.matched = status.matched() > 0,
@@ -127,7 +139,8 @@ ObservedCell::Port observed(const wire::ObservedPort& port) {
                             .lost = status.lost(),
                             .dropped = status.dropped(),
                             .late = status.late(),
-                            .incompatible = status.incompatible().to_string()};
+                            .incompatible = status.incompatible().to_string(),
+                            .forced = status.forced().to_string()};
   if (status.age_ns() >= 0) result.age = Nanoseconds{status.age_ns()};
   return result;
 }
@@ -163,6 +176,8 @@ Json measures_json(const std::vector<wire::ObservedDevice>& devices, const model
                                              {"jitter_us", in_json(m.jitter_us())},
                                              {"run_us", in_json(m.run_us())}};
       if (in_safe_stop(device, name)) modules[device.name() + "." + name]["safe_stop"] = true;
+      if (const std::string forced = forced_inputs(device, name); !forced.empty())
+        modules[device.name() + "." + name]["forced"] = forced;
     }
     for (const auto& [name, e] : device.deployment.executors) {
       executors[device.name() + "." + name] = {{"cycles", e.cycles()},

@@ -36,6 +36,9 @@ inline constexpr std::size_t kMostRows = 200;
 
 /// True if the reports of the module's outputs say that the module is in a safe stop.
 bool in_safe_stop(const wire::ObservedDevice& device, const std::string& module);
+/// Returns the inputs of a module that are forced, with who forces them: "command by operator anna". Empty if
+/// there is none.
+std::string forced_inputs(const wire::ObservedDevice& device, const std::string& module);
 
 ObservedCell::Port observed(const wire::ObservedPort& port);
 /// The health of a cell's devices, modules and connections.

@@ -14,6 +14,7 @@ export function lookOfModule(module) {
   const word = module.state.state;
   if (module.lost) return { ...kLost, key: "lost", word: `lost, was ${word}` };
   if (word === "EXECUTING" && module.measures?.safe_stop) return { look: "poor", sign: "poor", key: word, word: "safe stop" };
+  if (word === "EXECUTING" && module.measures?.forced) return { look: "poor", sign: "poor", key: word, word: "forced" };
   const ended = word === "DESTRUCT" && module.state.rating === "idle";
   return { key: word, word: module.stopped ? `${word} (stopped)` : word, sign: kSigns[word] ?? "poor",
     look: ended ? "faint" : kLooks[module.state.rating] ?? "poor" };

@@ -126,6 +126,8 @@ class Agent {
   void described(const Result<Inspected>& result);
   void command_module(const Command& command, Verb verb);
   void tap(const Command& command);
+  void force(const wire::WholeCommand& command);
+  void end_force(const wire::WholeCommand& command);
   void trace(const Command& command);
   void swap(const Command& command);
   void check_swap();

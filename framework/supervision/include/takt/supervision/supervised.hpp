@@ -66,6 +66,16 @@ struct Tapped {
   std::string reply_type{};
 };
 
+/// A request to force an input: its module then reads the given value instead of the samples of the connected
+/// output.
+struct ForceRequest {
+  std::string port;
+  std::string data;    ///< the value as a JSON object, or as a JSON array of texts FIELD=VALUE; empty: renews
+  std::string client;  ///< identifies the client, which alone can renew the force
+  std::string by{};    ///< who forces the input, for people
+  Nanoseconds duration{};  ///< the longest duration of the force
+};
+
 class Supervised {
  public:
   enum class Phase {
@@ -102,6 +112,12 @@ class Supervised {
   /// Opens a port to the outside until `until`: publishes the samples of an output on its topic, or lets any
   /// program call a service.
   virtual Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) = 0;
+  /// Forces an input that holds the latest value, or renews the force. Returns the value with all its fields,
+  /// as JSON; after a renewal, an empty text. The force ends after its duration, 2 s after the last renewal,
+  /// when end_force() is called, and when the module is stopped, reset or swapped, or leaves EXECUTING.
+  virtual Result<std::string> force(std::uint32_t module, const ForceRequest& request) = 0;
+  /// Ends the force of an input. `who` asked for it.
+  virtual Result<void> end_force(std::uint32_t module, const std::string& port, const std::string& who) = 0;
   /// Reads a property's value: the present value, or the value that applies when the module is called next.
   /// `done` receives the value, either from step() or from this call.
   virtual void get(std::uint32_t module, const std::string& property,

@@ -30,6 +30,7 @@
 namespace takt::supervision {
 
 class FaultNotes;
+class Forces;
 class Health;
 class Properties;
 struct ExecutorWatch;
@@ -72,6 +73,8 @@ class Supervisor final : public Supervised {
   void step() override;
   void command(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override;
   Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) override;
+  Result<std::string> force(std::uint32_t module, const ForceRequest& request) override;
+  Result<void> end_force(std::uint32_t module, const std::string& port, const std::string& who) override;
   void trace(Nanoseconds last, std::size_t most,
              std::function<void(const Result<std::string>&)> done) override;
   Result<Tapped> open_service(std::uint32_t module, const model::Port& request, Instant until);
@@ -216,6 +219,7 @@ class Supervisor final : public Supervised {
   std::vector<std::unique_ptr<Member>> members_;
   std::vector<std::unique_ptr<Hosted>> hosts_;  // the hosts, in the order of model::hosts_of()
   std::unique_ptr<FaultNotes> notes_;
+  std::unique_ptr<Forces> forces_;
   std::unique_ptr<Health> health_;
   std::unique_ptr<Properties> properties_;
   bool rows_begun_ = false;

@@ -20,6 +20,10 @@
 
 namespace takt::supervision {
 
+/// The largest value in bytes that an input can be forced to. It is small, because each link to an input that
+/// can be forced reserves this memory.
+inline constexpr std::uint32_t kMostForced = 4096;
+
 /// A side of a link: a port of one of the device's modules, or the gateway.
 struct LinkEnd {
   std::optional<std::uint32_t> module;  ///< index of the module on the device; empty for the gateway
@@ -110,6 +114,7 @@ struct PortHealth {
   bool dropping = false;       ///< true if a queue has dropped samples recently
   std::int64_t age_ns = -1;    ///< age of the newest value; -1 if there is none
   std::string incompatible{};  ///< the QoS policy that prevented a match; empty if there is none
+  std::string forced{};        ///< who forces this input; empty if it is not forced
 };
 
 /// The links of a device, in shared memory. The links live as long as this object, even if the host and

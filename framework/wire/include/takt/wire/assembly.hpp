@@ -24,6 +24,7 @@ inline constexpr std::size_t kMaxData = 16 * 1024 * 1024;
 struct WholeCommand {
   Command head;  ///< the fields `part`, `parts` and `data` are not used
   std::string data;
+  std::string who{};  ///< the authenticated sender, for people; empty in a cell without DDS Security
 };
 struct WholeReply {
   Reply head;

@@ -18,7 +18,8 @@ namespace takt::wire {
 enum class Rating {
   good,
   idle,   ///< grey: a module or device does not run, and this is no fault
-  poor,   ///< amber: samples are being lost or dropped, a module is in a safe stop, or a device is degraded
+  poor,   ///< amber: samples are being lost or dropped, an input is forced, a module is in a safe stop, or a
+          ///< device is degraded
   bad,    ///< red: the value is stale, or the reader gets the safe value
   broken  ///< red: the writer and the reader have not found each other, although both belong to the cell
 };
@@ -39,6 +40,7 @@ struct ConnectionReport {
   std::uint64_t dropped = 0;              ///< samples dropped because the queue was full
   std::uint64_t late = 0;                 ///< how often the value became stale
   std::string incompatible{};             ///< the QoS policy that prevents matching, or empty
+  std::string forced{};                   ///< who forces the reader's input, or empty
 
   [[nodiscard]] bool stale() const noexcept { return deadline && (!age || *age > *deadline); }
 };
@@ -60,6 +62,7 @@ struct ModuleReport {
   bool lost = false;       ///< its device is lost, so `state` is the last known one
   bool given_up = false;   ///< the node gave the module up after an error
   bool safe_stop = false;  ///< the module works as intended, and keeps its machine stopped for safety
+  bool forced = false;     ///< an operator forces an input of the module
 };
 Rating judge(const ModuleReport& module) noexcept;
 
