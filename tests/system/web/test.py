@@ -990,6 +990,10 @@ class Web(takt_system.Case):
             """Returns the value, the value at the mark, and their difference."""
             cells = page.texts(".legend-table tbody td")
             return [None if cell == "-" else int(cell.replace("\u2212", "-")) for cell in (cells[0], *cells[3:])]
+        def saved(kind):
+            # Chromium first makes an empty file of this name.
+            names = [name for name in os.listdir(self.folder) if re.fullmatch(r"takt-\d{6}\." + kind, name)]
+            return next((name for name in names if os.path.getsize(os.path.join(self.folder, name)) > 0), None)
         page.press(Keys.ENTER)
         page.wait_for("td[data-label='at mark']", r"^\d+$")
         page.wait_for("td[data-label=difference]", "^0$")
@@ -999,7 +1003,7 @@ class Web(takt_system.Case):
         self.assertEqual(difference, None if value is None else value - mark)  # a slow machine may have no values of 3 s yet
 
         page.click(".tools button[title*=table]")
-        file = wait_until(lambda: next((name for name in os.listdir(self.folder) if re.fullmatch(r"takt-\d{6}\.csv", name)), None), "the table")
+        file = wait_until(lambda: saved("csv"), "the table")
         lines = self.read(file).splitlines()
         self.assertEqual("time_ns,seconds,robot.source.out.number", lines[0])
         cells = [line.split(",") for line in lines[1:]]
@@ -1009,7 +1013,7 @@ class Web(takt_system.Case):
         wait_until(lambda: numbers[-1] <= measured()[1] <= numbers[-1] + 20, "the mark to be at the newest value")
         self.assertAlmostEqual((times[-1] - times[0]) / 1e9, float(cells[-1][1]), places=4)
         page.click(".tools button[title*=picture]")
-        file = wait_until(lambda: next((name for name in os.listdir(self.folder) if re.fullmatch(r"takt-\d{6}\.png", name)), None), "the picture")
+        file = wait_until(lambda: saved("png"), "the picture")
         with open(os.path.join(self.folder, file), "rb") as picture:
             head = picture.read(24)
         self.assertEqual((b"\x89PNG", width), (head[:4], int.from_bytes(head[16:20], "big")))
