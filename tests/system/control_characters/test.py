@@ -69,9 +69,10 @@ class ControlCharacters(takt_system.Case):
         node = self.node("bench")
         self.deploy("cell.xml")
         cell = self.beside("cell.xml")
-        for command in ("status", "status --json", "get bench.cpp", "get bench.cpp --json", "get bench.c", "get bench.program", "call bench.cpp",
-                        "graph " + cell, "graph --live " + cell, "check " + cell, "log", "log --json", "trace bench", "trace bench --json",
-                        "echo bench.cpp.out --count 1", "call bench.cpp.rejects number=1", "call bench.cpp.rejects number=2"):
+        for command in ("status", "status --json", "get bench.cpp", "get bench.cpp --json", "get bench.c", "get bench.c label", "get bench.program",
+                        "call bench.cpp", "graph " + cell, "graph --live " + cell, "check " + cell, "log", "log --json", "trace bench",
+                        "trace bench --json", "echo bench.cpp.out --count 1", "call bench.cpp.rejects number=1",
+                        "call bench.cpp.rejects number=2"):
             self.both(*command.split())
         self.both("set", "bench.cpp", "fails", "true")
         wait_until(lambda: self.states_of("bench")["cpp"] == "DESTRUCT", "the module to be given up")

@@ -163,7 +163,7 @@ int property(const std::string& text, const std::string& name, const std::option
                                                              .property = name,
                                                              .value = value.value_or("")}));
   if (!answer) return refuse(answer.problems());
-  return print(answer->head.value().to_string() + "\n") ? 0 : 1;
+  return print(on_one_line(answer->head.value().to_string()) + "\n") ? 0 : 1;
 }
 
 // Prints all properties of a module, with their values.
