@@ -20,6 +20,7 @@
 #include "commands/network_options.hpp"
 #include "manual/pages.hpp"
 #include "signatures.hpp"
+#include "terminal/terminal.hpp"
 
 namespace {
 
@@ -107,7 +108,7 @@ Status: 0 clean shutdown, 1 rejected or failed (the reason is on standard error)
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    return takt::tool::finish(takt::tool::explain(app, error));
   }
   const auto domain = takt::client::domain_of(network);
   if (!domain) {

@@ -13,6 +13,7 @@
 #include "commands/commands.hpp"
 #include "manual/pages.hpp"
 #include "signatures.hpp"
+#include "terminal/terminal.hpp"
 
 namespace {
 
@@ -96,7 +97,7 @@ Exit status: 0 success, 1 rejected or failed, with the reason on standard error,
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    return explain(app, error);
   }
   return chosen();
 }
@@ -104,7 +105,7 @@ Exit status: 0 success, 1 rejected or failed, with the reason on standard error,
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int status = run_program(argc, argv);
+  const int status = takt::tool::finish(run_program(argc, argv));
   // End with _Exit to skip the static destructors of Fast DDS, which sleep for a while.
   std::fflush(nullptr);
   std::_Exit(status);

@@ -66,9 +66,24 @@ class Output(takt_system.Case):
         run = self.takt("run", "cell.xml", "--for", "0.3", "--json", before=["/bin/sh", "-c", 'exec "$0" "$@" >/dev/full'])
         self.assertEqual(1, run.status)
         self.assertIn("brief: START -> DESTRUCT", run.err)
-        self.assertEqual(["error: cannot write the report to standard output"], run.other_lines)
-        run = self.takt("check", "cell.xml", before=["/bin/sh", "-c", 'exec "$0" "$@" >/dev/full'])
-        self.assertEqual((1, "error: cannot write the report to standard output"), (run.status, run.err))
+        self.assertEqual(["error: cannot write the output: No space left on device"], run.other_lines)
+
+    def test_a_command_fails_if_it_cannot_write_its_output(self):
+        without_reader = ("import os, signal, sys; signal.signal(signal.SIGPIPE, signal.%s); r, w = os.pipe(); os.close(r); os.dup2(w, 1); "
+                          "os.execv(sys.argv[1], sys.argv[1:])")
+        for number, command in enumerate(("takt --help", "takt --version", "takt help check", "takt check --help", "takt secure --help",
+                                          "takt-node --help", "takt-node --version", "takt check cell.xml", "takt check cell.xml --json",
+                                          "takt graph cell.xml", "takt describe prints.exe", "takt new fresh FOLDER", "takt doctor",
+                                          "takt secure init cell.xml FOLDER")):
+            for way, before, status, said in (
+                    ("full", ["/bin/sh", "-c", 'exec "$0" "$@" >/dev/full'], 1, "error: cannot write the output: No space left on device"),
+                    ("closed", [sys.executable, "-c", without_reader % "SIG_IGN"], 141, ""),
+                    ("killed", [sys.executable, "-c", without_reader % "SIG_DFL"], -signal.SIGPIPE, "")):
+                with self.subTest(command=command, way=way):
+                    program, *arguments = command.replace("FOLDER", "%s%d" % (way, number)).split()
+                    arguments = [self.beside(a) if a.endswith(".xml") else a for a in arguments]
+                    run = self.program(program, *arguments, before=before).wait()
+                    self.assertEqual((status, said), (run.status, run.err))
 
     def test_a_device_keeps_running_after_the_reader_of_its_log_has_exited(self):
         run = self.takt("run", "cell.xml", "--for", "0.5", "--json",

@@ -1,5 +1,3 @@
-#include <cstdio>
-
 #include <takt/client/network.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/model/doubts.hpp>
@@ -92,7 +90,6 @@ int check(const CheckOptions& options) {
                    : check_text(loaded->cell, loaded->plans, terminal_style(), proof, loaded->ports);
   const bool printed = print(text);
   if (!proof || proof->missed.empty()) return printed ? 0 : 1;
-  std::fflush(stdout);  // print the report before the problems
   complain(proof->missed);
   return 1;
 }

@@ -212,9 +212,9 @@ int revoke(const SecureOptions& options) {
   for (const Subject& subject : *subjects) {
     if (auto revoked = authority->revoke(subject, now_s()); !revoked) return refuse(revoked.problems());
   }
-  std::printf(
-      "copy crl.pem into the identity folders on every machine of the cell; nodes and operators then reject "
-      "revoked identities at once\n");
+  if (!print("copy crl.pem into the identity folders on every machine of the cell; nodes and operators then "
+             "reject revoked identities at once\n"))
+    return 1;
   return show_authority(options.folder);
 }
 

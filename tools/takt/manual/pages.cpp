@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
+#include <sstream>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -11,6 +13,8 @@
 #include <CLI/CLI.hpp>
 
 #include <takt/core/words.hpp>
+
+#include "terminal/terminal.hpp"
 
 namespace takt::tool {
 
@@ -369,6 +373,12 @@ std::string wrong_usage(const CLI::App* program, const CLI::Error& error) {
 }  // namespace
 
 void shorten_errors(CLI::App& program) { program.failure_message(wrong_usage); }
+
+int explain(const CLI::App& program, const CLI::ParseError& error) {
+  std::ostringstream out;
+  const int status = program.exit(error, out, std::cerr) == 0 ? 0 : 2;
+  return print_unchanged(out.str()) ? status : 1;
+}
 
 int write_pages(const CLI::App& program, const std::string& folder, int section) {
   namespace fs = std::filesystem;

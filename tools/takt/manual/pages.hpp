@@ -7,7 +7,8 @@
 
 namespace CLI {
 class App;
-}
+class ParseError;
+}  // namespace CLI
 
 namespace takt::tool {
 
@@ -27,6 +28,10 @@ void tidy_help(CLI::App& program);
 
 /// Makes the program print only the error and the usage line after wrong usage, not the whole help.
 void shorten_errors(CLI::App& program);
+
+/// Prints the help or version that the command line asks for, or what is wrong with it. Returns the exit
+/// status.
+int explain(const CLI::App& program, const CLI::ParseError& error);
 
 /// Writes FOLDER/man/manN/NAME.N for the program and each of its commands, and FOLDER/completions/NAME.
 /// Returns the exit status. If writing fails, prints the reason on standard error.

@@ -1,7 +1,9 @@
 #include "terminal/terminal.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 
 #include <takt/core/control_character.hpp>
 #include <takt/core/words.hpp>
@@ -36,6 +38,8 @@ std::string without_control(std::string_view text, bool colour) {
   return result;
 }
 
+int first_error = 0;  // the value of errno when print_unchanged() failed for the first time
+
 }  // namespace
 
 Style terminal_style() { return {.colour = os::output_is_terminal() && os::environment("NO_COLOR").empty()}; }
@@ -47,10 +51,17 @@ bool print(const std::string& text) {
 bool print_unchanged(std::string_view text) {
   const bool written =
       std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
-  if (!written) std::fprintf(stderr, "error: cannot write the report to standard output\n");
+  if (!written && first_error == 0) first_error = errno;
   return written;
 }
 
 void tell(std::string_view line) { std::fprintf(stderr, "%s\n", on_one_line(line).c_str()); }
+
+int finish(int status) {
+  if (first_error == 0) return status;
+  if (first_error == EPIPE) return kNoReader;
+  std::fprintf(stderr, "error: cannot write the output: %s\n", std::strerror(first_error));
+  return status == 0 ? 1 : status;
+}
 
 }  // namespace takt::tool

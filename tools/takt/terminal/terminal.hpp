@@ -12,8 +12,8 @@ namespace takt::tool {
 Style terminal_style();
 
 /// Writes to standard output. Escapes control characters other than line feeds, tabs and colours, because
-/// names and texts from components, files and the network must not control the terminal. If writing fails
-/// (disk full, pipe closed), prints an error on standard error and returns false.
+/// names and texts from components, files and the network must not control the terminal. Returns false if
+/// writing fails (disk full, pipe closed); finish() then reports the reason.
 bool print(const std::string& text);
 
 /// Like print(), but writes the text unchanged: for texts that control the terminal, such as the screen of
@@ -26,5 +26,9 @@ void tell(std::string_view line);
 /// The exit status of a command that ends because nobody reads its standard output any longer. In a shell, a
 /// program that is ended by SIGPIPE has the same status.
 constexpr int kNoReader = 128 + 13;
+
+/// Returns the exit status of a program that would end with `status`, but must not succeed if print() has
+/// failed. Writes the reason to standard error, unless the reader of standard output has closed its pipe.
+int finish(int status);
 
 }  // namespace takt::tool
