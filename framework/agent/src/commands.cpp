@@ -327,8 +327,16 @@ void Agent::tap(const Command& command) {
   // tap stays open for at most kLongestTap.
   const Nanoseconds asked = span(options_.wall_ns(), command.time_ns());
   const Nanoseconds longer = asked > Nanoseconds{0} ? std::min(asked, kLongestTap) : kLongestTap;
+  const std::string value = command.value().to_string();
+  std::int64_t every_ns = 0;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), every_ns);
+  if (!value.empty() && (error != std::errc{} || end != value.data() + value.size() || every_ns < 0)) {
+    answer(command, REPLY_REFUSED, in_quotes(value) + " is not a number of nanoseconds");
+    return;
+  }
   const auto tapped =
-      deployment_->supervised->tap(*module, command.property().to_string(), options_.now() + longer);
+      deployment_->supervised->tap(*module, command.property().to_string(), options_.now() + longer,
+                                   std::min(Nanoseconds{every_ns}, kLongestTap));
   if (!tapped) {
     answer(command, REPLY_REFUSED, in_words(tapped.problems()));
     return;

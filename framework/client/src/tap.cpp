@@ -42,14 +42,21 @@ void add_services(std::set<std::string>& services, const std::string& module,
 
 }  // namespace
 
-Result<dds::Flow> tapped(Operator& sender, const std::string& port) {
+Result<CommandRequest> tap_request(const std::string& port, Nanoseconds every) {
   const auto name = parse_port(port);
   if (!name) return fail(in_quotes(port) + " is not a port name", "write DEVICE.MODULE.PORT");
-  const auto answer = accepted(sender.send({.kind = COMMAND_TAP,
-                                            .device = name->device,
-                                            .module = name->module,
-                                            .property = name->port,
-                                            .time_ns = os::wall_ns() + Nanoseconds{kTapped}.count()}));
+  return CommandRequest{.kind = COMMAND_TAP,
+                        .device = name->device,
+                        .module = name->module,
+                        .property = name->port,
+                        .value = every > Nanoseconds{0} ? std::to_string(every.count()) : "",
+                        .time_ns = os::wall_ns() + Nanoseconds{kTapped}.count()};
+}
+
+Result<dds::Flow> tapped(Operator& sender, const std::string& port, Nanoseconds every) {
+  const auto request = tap_request(port, every);
+  if (!request) return request.problems();
+  const auto answer = accepted(sender.send(*request));
   if (!answer) return answer.problems();
   return flow_in(answer->data, port);
 }

@@ -124,6 +124,8 @@ class OwnGateway final : public Gateway {
     return id;
   }
 
+  void thin_out(FlowId flow, Nanoseconds every) override { outgoing_.thin_out(flow, every); }
+
   void remove(FlowId flow) override {
     outgoing_.remove(flow);
     // Declared before the lock, so that the flow is deleted after the mutex is unlocked. The deletion waits

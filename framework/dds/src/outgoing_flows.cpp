@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <utility>
 
 #include <takt/core/span.hpp>
@@ -44,19 +45,32 @@ class OutgoingFlows::Outgoing {
   bool move() {
     const std::lock_guard lock{moving_};
     const Now now;
-    if (closed_ || !from_.take(now.monotonic_ns)) return false;
+    const std::int64_t every = every_ns_.load(std::memory_order_relaxed);
+    if (closed_ || (every != 0 && now.monotonic_ns < moved_ns_ + every) || !from_.take(now.monotonic_ns))
+      return false;
+    if (every != 0) {
+      for (std::uint32_t i = 0; i < from_.link().depth() && from_.take(now.monotonic_ns); ++i) {
+      }
+      write(now);
+      moved_ns_ = now.monotonic_ns;
+      return true;
+    }
     int moved = 0;
     do {
-      const channel::SampleInfo info = from_.info();
-      writer_->write({from_.link().payload(from_.buffer()), info.size}, now.wall_of(info.stamp_ns),
-                     info.sequence);
+      write(now);
     } while (++moved < kAtOnce && from_.take(now.monotonic_ns));
     return true;
   }
+  /// See Gateway::thin_out().
+  void thin_out(Nanoseconds every) { every_ns_.store(every.count(), std::memory_order_relaxed); }
+  [[nodiscard]] bool is_thinned() const { return every_ns_.load(std::memory_order_relaxed) != 0; }
   /// Returns the time from which the next sample of the link may be read; channel::kNever if there is none.
   std::int64_t news_at() {
     const std::lock_guard lock{moving_};
-    return closed_ ? channel::kNever : from_.news_at();
+    if (closed_) return channel::kNever;
+    const std::int64_t news = from_.news_at();
+    const std::int64_t every = every_ns_.load(std::memory_order_relaxed);
+    return every == 0 ? news : std::max(news, moved_ns_ + every);
   }
   /// Ends the use of the link. Waits for the write of a sample.
   void close() {
@@ -65,8 +79,17 @@ class OutgoingFlows::Outgoing {
   }
 
  private:
+  void write(const Now& now) {
+    const channel::SampleInfo info = from_.info();
+    writer_->write({from_.link().payload(from_.buffer()), info.size}, now.wall_of(info.stamp_ns),
+                   info.sequence);
+  }
+
   std::mutex moving_;  // held during writes
   bool closed_ = false;
+  std::atomic<std::int64_t> every_ns_{0};  // 0: every sample is moved
+  /// If not every sample is moved: when the last one was.
+  std::int64_t moved_ns_ = std::numeric_limits<std::int64_t>::min() / 2;
   std::unique_ptr<SampleWriter> writer_;
   channel::LinkReader from_;
 };
@@ -94,6 +117,14 @@ void OutgoingFlows::add(FlowId id, std::unique_ptr<SampleWriter> writer, channel
     const std::lock_guard lock{mutex_};
     flows_[id] = std::move(made);
     changed_ = true;
+  }
+  ring(wake_word_, channel::kGatewayBit);
+}
+
+void OutgoingFlows::thin_out(FlowId id, Nanoseconds every) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (const auto found = flows_.find(id); found != flows_.end()) found->second->thin_out(every);
   }
   ring(wake_word_, channel::kGatewayBit);
 }
@@ -128,8 +159,9 @@ void OutgoingFlows::pump() {
     if (moved) continue;
     // This thread sets its bit and then checks for samples. A writer publishes a sample and then reads
     // gateway_sleeps. So either the writer sees this bit and wakes this thread, or this thread sees the
-    // sample.
-    wake_word_.gateway_sleeps.fetch_or(sleeps_, std::memory_order_seq_cst);
+    // sample. No writer needs to wake this thread if it moves only the newest sample of each flow.
+    if (!std::all_of(flows.begin(), flows.end(), [](const auto& flow) { return flow->is_thinned(); }))
+      wake_word_.gateway_sleeps.fetch_or(sleeps_, std::memory_order_seq_cst);
     const Instant now = os::now();
     std::int64_t news = channel::kNever;
     for (const auto& flow : flows) news = std::min(news, flow->news_at());

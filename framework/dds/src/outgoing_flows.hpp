@@ -51,6 +51,8 @@ class OutgoingFlows {
   Result<void> start();
 
   void add(FlowId id, std::unique_ptr<SampleWriter> writer, channel::Link from);
+  /// See Gateway::thin_out().
+  void thin_out(FlowId id, Nanoseconds every);
   /// Waits until no sample of the flow is being written. When remove() has returned, the flow's link is not
   /// accessed any more.
   void remove(FlowId id);

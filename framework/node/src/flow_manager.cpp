@@ -156,11 +156,28 @@ void FlowManager::close_now(std::size_t index) {
     wiring_.links()[flow.links.front()].link.block().enabled.store(0, std::memory_order_relaxed);
 }
 
-Result<void> FlowManager::tap(std::uint32_t module, const std::string& port, Instant until) {
+Result<void> FlowManager::tap(std::uint32_t module, const std::string& port, Instant until,
+                              Nanoseconds every) {
   const PlannedFlow* flow = wiring_.flow_of(module, port);
   if (flow == nullptr) return fail("there is no output '" + port + "'");
-  open_until(static_cast<std::size_t>(flow - wiring_.flows().data()), until);
+  const auto index = static_cast<std::size_t>(flow - wiring_.flows().data());
+  open_until(index, until);
+  Open& open = *open_[index];
+  if (!open.until || flow->carries != model::Carries::samples) return {};
+  if (every.count() == 0)
+    open.whole_until = std::max(open.whole_until.value_or(until), until);
+  else
+    open.every = open.every.count() == 0 ? every : std::min(open.every, every);
+  thin_out(index);
   return {};
+}
+
+/// Passes on how many samples the observers of an unconnected output want.
+void FlowManager::thin_out(std::size_t index) {
+  const Nanoseconds every = open_[index]->whole_until ? Nanoseconds{0} : open_[index]->every;
+  worker_->add([this, index, every] {
+    if (const auto id = ids_[index].load(); id != 0) gateway_->thin_out(id, every);
+  });
 }
 
 void FlowManager::open_until(std::size_t index, Instant until) {
@@ -210,7 +227,13 @@ void FlowManager::step(Instant now) {
   for (const auto& bridge : bridges_) bridge->step(now);
   enable_requests();
   for (std::size_t i = 0; i < open_.size(); ++i) {
-    if (!open_[i] || !open_[i]->until || now < *open_[i]->until) continue;
+    if (!open_[i] || !open_[i]->until) continue;
+    if (now < *open_[i]->until) {
+      if (!open_[i]->whole_until || now < *open_[i]->whole_until) continue;
+      open_[i]->whole_until.reset();
+      thin_out(i);
+      continue;
+    }
     open_[i].reset();
     worker_->add([this, i] { close_now(i); });
   }

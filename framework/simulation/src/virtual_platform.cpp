@@ -318,7 +318,7 @@ class VirtualFlows final : public supervision::Flows {
     health.lost = device_.world_.network->lost(connection);
     return health;
   }
-  Result<void> tap(std::uint32_t, const std::string&, Instant) override {
+  Result<void> tap(std::uint32_t, const std::string&, Instant, Nanoseconds) override {
     return fail("ports of a simulated cell cannot be observed");
   }
   Result<void> open_service(std::uint32_t, const std::string&, Instant) override {

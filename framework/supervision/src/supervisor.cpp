@@ -166,7 +166,8 @@ void Supervisor::step() {
   }
 }
 
-Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, Instant until) {
+Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, Instant until,
+                               Nanoseconds every) {
   if (!flows_) return fail("this device is not connected to DDS");
   const std::string name = device().name + "." + device().modules[module].name;
   const auto& ports = parts_.ports[module];
@@ -206,7 +207,7 @@ Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, In
     }
     return fail("port " + name + "." + port + " is an input without a connection");
   }
-  if (auto tapped = flows_->tap(module, port, until); !tapped) return tapped.problems();
+  if (auto tapped = flows_->tap(module, port, until, every); !tapped) return tapped.problems();
   const PlannedFlow& flow = *parts_.wiring.flow_of(module, port);
   return Tapped{flow.topic, model::to_text(flow.type), flow.reliable};
 }

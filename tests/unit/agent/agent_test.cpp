@@ -142,6 +142,28 @@ TEST(Agent, ForcesAnInputForAtMostAnHourAndSaysWhoAsked) {
   EXPECT_THAT(device.work.ended_forces, testing::ElementsAre("0 setpoint by eve"));
 }
 
+TEST(Agent, PassesOnHowOftenAnObserverWantsTheNewestSample) {
+  FakeDevice device;
+  device.become_running();
+  wire::WholeCommand tap = device.command(COMMAND_TAP);
+  tap.head.module_name("servo");
+  tap.head.value("500000000");
+  device.receive(tap);
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.work.tapped_every, std::chrono::milliseconds{500});
+  for (const char* wrong : {"-1", "1 s", "99999999999999999999"}) {
+    tap = device.command(COMMAND_TAP);
+    tap.head.module_name("servo");
+    tap.head.value(wrong);
+    device.receive(tap);
+    EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << wrong;
+  }
+  tap = device.command(COMMAND_TAP);
+  tap.head.module_name("servo");
+  device.receive(tap);
+  EXPECT_EQ(device.work.tapped_every, Nanoseconds{0}) << "every sample";
+}
+
 TEST(Agent, FailsPendingDescribeCommandsWhenTheDeploymentEnds) {
   FakeDevice device;
   device.become_running();

@@ -59,6 +59,7 @@ struct Work {
   std::vector<std::string> properties;
   std::vector<std::pair<std::uint32_t, supervision::ForceRequest>> forces;
   std::vector<std::string> ended_forces;
+  Nanoseconds tapped_every{0};
   Result<void> may_swap{};
   std::vector<std::pair<std::uint32_t, std::string>> swaps;
   std::vector<std::function<void(const Outcome&)>> done;
@@ -108,7 +109,8 @@ class FakeSupervised final : public Supervised {
     work_.commands.emplace_back(module, verb);
     work_.done.push_back(std::move(done));
   }
-  Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant) override {
+  Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant, Nanoseconds every) override {
+    work_.tapped_every = every;
     return Tapped{"takt/cell/robot/" + std::to_string(module) + "/" + port, "t", false};
   }
   Result<std::string> force(std::uint32_t module, const supervision::ForceRequest& request) override {

@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 #include <long_enough.hpp>
 #include <takt/channel/release_slot.hpp>
@@ -37,10 +38,20 @@ class Steps {
     return let;
   }
 
+  void thin_out(Nanoseconds every) {
+    const std::lock_guard lock{mutex_};
+    thinned_.push_back(every);
+  }
+  [[nodiscard]] std::vector<Nanoseconds> thinned() {
+    const std::lock_guard lock{mutex_};
+    return thinned_;
+  }
+
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
   int allowed_ = 0;
+  std::vector<Nanoseconds> thinned_;
 };
 
 /// A gateway in which each flow is added and removed only when the test lets it happen.
@@ -49,6 +60,7 @@ class SlowGateway final : public dds::Gateway {
   explicit SlowGateway(Steps& steps, bool rejects = false) : steps_(steps), rejects_(rejects) {}
   Result<FlowId> add_outgoing(const dds::Flow&, channel::Link) override { return add(); }
   Result<FlowId> add_incoming(const dds::Flow&, std::vector<channel::Link>) override { return add(); }
+  void thin_out(FlowId, Nanoseconds every) override { steps_.thin_out(every); }
   void remove(FlowId) override { EXPECT_TRUE(steps_.wait()) << "the caller waits for the removal"; }
   [[nodiscard]] wire::FlowHealth health(FlowId flow) const override {
     wire::FlowHealth health;
@@ -144,7 +156,7 @@ TEST_F(Flows, NameTheTopicOfAFlowThatCannotBeOpened) {
 TEST_F(Flows, OpenAndCloseForAnObserverWhileTheCallerContinues) {
   const auto flows = open();
   const Instant now = os::now();
-  ASSERT_TRUE(flows->tap(0, "out", now + 1s).ok());
+  ASSERT_TRUE(flows->tap(0, "out", now + 1s, 0s).ok());
   EXPECT_FALSE(flows->health(link_of("out")).has_value());
   steps_.let(1);
   ASSERT_TRUE(soon([&] { return enabled("out"); })) << "before the flow is open, so that no reply is lost";
@@ -155,7 +167,7 @@ TEST_F(Flows, OpenAndCloseForAnObserverWhileTheCallerContinues) {
   flows->step(now + 2s);
   EXPECT_TRUE(enabled("out")) << "the gateway still reads the link";
   EXPECT_FALSE(flows->health(link_of("out")).has_value());
-  ASSERT_TRUE(flows->tap(0, "out", now + 3s).ok()) << "another observer comes while the flow closes";
+  ASSERT_TRUE(flows->tap(0, "out", now + 3s, 0s).ok()) << "another observer comes while the flow closes";
   steps_.let(2);
   EXPECT_TRUE(soon([&] {
     const auto health = flows->health(link_of("out"));
@@ -165,6 +177,18 @@ TEST_F(Flows, OpenAndCloseForAnObserverWhileTheCallerContinues) {
   flows->step(now + 4s);
   steps_.let(1);
   EXPECT_TRUE(soon([&] { return !enabled("out"); }));
+}
+
+TEST_F(Flows, CarryEverySampleOnlyWhileAnObserverWantsThem) {
+  const auto flows = open();
+  const Instant now = os::now();
+  steps_.let(3);
+  ASSERT_TRUE(flows->tap(0, "out", now + 9s, 200ms).ok());
+  ASSERT_TRUE(flows->tap(0, "out", now + 2s, 0s).ok()) << "a recorder wants every sample";
+  ASSERT_TRUE(flows->tap(0, "out", now + 9s, 100ms).ok());
+  flows->step(now + 1s);
+  flows->step(now + 3s);
+  EXPECT_TRUE(soon([&] { return steps_.thinned() == std::vector<Nanoseconds>{200ms, 0ms, 0ms, 100ms}; }));
 }
 
 }  // namespace

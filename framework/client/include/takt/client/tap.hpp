@@ -24,8 +24,12 @@ inline constexpr std::chrono::seconds kAskAgain{10};
 
 /// Asks the device of `port`, "device.module.port", to publish the samples of this port. Returns the topic
 /// and type of the samples. Fails if the port does not exist or belongs to a service. To observe a service,
-/// use the ports of its client.
-Result<dds::Flow> tapped(Operator& sender, const std::string& port);
+/// use the ports of its client. `every`: the device may publish only the newest sample, once in this time; 0:
+/// every sample. A port that is connected to another device always has every sample.
+Result<dds::Flow> tapped(Operator& sender, const std::string& port, Nanoseconds every = {});
+/// The request that tapped() sends, for a program that sends several at once and passes the data of each
+/// answer to flow_in().
+Result<CommandRequest> tap_request(const std::string& port, Nanoseconds every = {});
 
 /// Returns the topic and type that the node's answer `data` names. Fails if `data` is not such an answer,
 /// which any program on the network may have sent, or if the port belongs to a service.

@@ -51,6 +51,10 @@ class Gateway {
 
   /// Adds a flow from a link to DDS. The gateway becomes the reader of `from`.
   virtual Result<FlowId> add_outgoing(const Flow& flow, channel::Link from) = 0;
+  /// Makes an outgoing flow carry only the newest sample, once in `every`, or every sample (0). If all outgoing
+  /// flows carry only newest samples, writers do not wake the gateway, which looks for samples by itself.
+  /// Does not wait for a write to DDS.
+  virtual void thin_out(FlowId flow, Nanoseconds every) = 0;
   /// Adds a flow from DDS to links. The gateway becomes the writer of all links in `to`.
   virtual Result<FlowId> add_incoming(const Flow& flow, std::vector<channel::Link> to) = 0;
   /// Removes a flow. Waits until the sample of the flow that is being written to or read from DDS is

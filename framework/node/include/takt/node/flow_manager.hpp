@@ -40,7 +40,7 @@ class FlowManager final : public supervision::Flows {
   /// Closes the flows whose time has expired, and supervises the bridges to other domains.
   void step(Instant now) override;
   [[nodiscard]] std::optional<wire::FlowHealth> health(std::size_t link) const override;
-  Result<void> tap(std::uint32_t module, const std::string& port, Instant until) override;
+  Result<void> tap(std::uint32_t module, const std::string& port, Instant until, Nanoseconds every) override;
   Result<void> open_service(std::uint32_t module, const std::string& service, Instant until) override;
 
  private:
@@ -48,13 +48,16 @@ class FlowManager final : public supervision::Flows {
   struct Open {
     /// The time at which the flow closes; empty for a flow of the whole deployment.
     std::optional<Instant> until{};
-    const Bridge* bridge = nullptr;  ///< null for a flow on the cell's domain
-    std::size_t in_bridge = 0;       ///< the flow's index in the bridge
+    std::optional<Instant> whole_until{};  ///< until then, an observer wants every sample
+    Nanoseconds every{0};                  ///< after that, the newest sample once in this time is enough
+    const Bridge* bridge = nullptr;        ///< null for a flow on the cell's domain
+    std::size_t in_bridge = 0;             ///< the flow's index in the bridge
   };
 
   FlowManager(const supervision::Wiring& wiring, const std::string& device,
               std::unique_ptr<dds::Gateway> gateway, std::unique_ptr<Worker> worker);
   void open_until(std::size_t index, Instant until);
+  void thin_out(std::size_t index);
   void enable_requests();
   Result<void> open_bridge(int domain, const os::SharedMemory& wake_word, const model::Cell& cell);
   [[nodiscard]] dds::Flow flow_at(std::size_t index) const;

@@ -95,8 +95,10 @@ class Flows {
   /// The health of the flow to which a link belongs; empty if the link has no flow or the flow is not open.
   [[nodiscard]] virtual std::optional<wire::FlowHealth> health(std::size_t link) const = 0;
   /// Begins to open the flow of an output without connections, so that observers can read the output. The
-  /// flow closes at `until`; a further call of tap() extends the time.
-  virtual Result<void> tap(std::uint32_t module, const std::string& port, Instant until) = 0;
+  /// flow closes at `until`; a further call of tap() extends the time. The flow carries every sample while an
+  /// observer wants them (`every` is 0), and otherwise only the newest sample once in `every`.
+  virtual Result<void> tap(std::uint32_t module, const std::string& port, Instant until,
+                           Nanoseconds every) = 0;
   /// Begins to open the flows through which any program may call a service of the module. They close at
   /// `until`; a further call of open_service() extends the time.
   virtual Result<void> open_service(std::uint32_t module, const std::string& service, Instant until) = 0;

@@ -110,8 +110,9 @@ class Supervised {
   virtual void command(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) = 0;
 
   /// Opens a port to the outside until `until`: publishes the samples of an output on its topic, or lets any
-  /// program call a service.
-  virtual Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) = 0;
+  /// program call a service. `every`: publish only the newest sample, once in this time; 0: every sample.
+  virtual Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until,
+                             Nanoseconds every) = 0;
   /// Forces an input that holds the latest value, or renews the force. Returns the value with all its fields,
   /// as JSON; after a renewal, an empty text. The force ends after its duration, 2 s after the last renewal,
   /// when end_force() is called, and when the module is stopped, reset or swapped, or leaves EXECUTING.

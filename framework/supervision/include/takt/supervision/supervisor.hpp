@@ -72,7 +72,8 @@ class Supervisor final : public Supervised {
   void give_safe(const std::vector<model::SafeOutput>& outputs) override;
   void step() override;
   void command(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override;
-  Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) override;
+  Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until,
+                     Nanoseconds every) override;
   Result<std::string> force(std::uint32_t module, const ForceRequest& request) override;
   Result<void> end_force(std::uint32_t module, const std::string& port, const std::string& who) override;
   void trace(Nanoseconds last, std::size_t most,
