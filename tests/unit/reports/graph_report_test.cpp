@@ -381,10 +381,13 @@ TEST(GraphSvg, ShowsHealthByWordsAndLineStylesNotOnlyByColour) {
   EXPECT_THAT(graph_svg(three(), {}), Not(HasSubstr(">stale: "))) << "the legend explains only what is drawn";
 }
 
-TEST(GraphSvg, ExplainsEveryRatingIfTheWholeLegendIsRequested) {
-  EXPECT_THAT(
-      graph_svg(three(), {}, GraphLegend::whole),
-      AllOf(HasSubstr(">ok<"), HasSubstr(">degraded: "), HasSubstr(">stale: "), HasSubstr(">not matched: ")));
+TEST(GraphSvg, ExplainsEveryRatingOnAPage) {
+  const GraphPage page;
+  EXPECT_THAT(graph_svg(three(), {}, &page),
+              AllOf(HasSubstr(">ok<"), HasSubstr(">degraded: "), HasSubstr(">stale: "),
+                    HasSubstr(">not matched: "), HasSubstr(">module: EXECUTING<"),
+                    HasSubstr(">module: in a safe stop"), HasSubstr(">module: in RECOVER"),
+                    HasSubstr(">module: not EXECUTING<"), HasSubstr(">bar: run time")));
 }
 
 TEST(GraphSvg, DrawsAGuideLineIfAWireLeavesOnTheSideOppositeThePortName) {
@@ -511,15 +514,23 @@ std::vector<Piece> pieces_of(const graph::Layout& layout) {
 TEST(GraphLayout, HasNoOverlappingLines) {
   for (const auto& [cell, health] : drawn()) {
     SCOPED_TRACE(cell.name + " of " + std::to_string(cell.connections.size()));
-    const auto layout = graph::lay_out(cell, health);
-    const auto pieces = pieces_of(layout);
-    for (const Piece& a : pieces) {
-      ASSERT_TRUE(a.from.x == a.to.x || a.from.y == a.to.y);
-      for (const Piece& b : pieces) {
-        if (a.wire >= b.wire || a.level() != b.level()) continue;
-        const double apart = a.level() ? std::abs(a.from.y - b.from.y) : std::abs(a.from.x - b.from.x);
-        const bool beside = a.low() < b.high() && b.low() < a.high();
-        ASSERT_FALSE(beside && apart < 7) << "wires " << a.wire << " and " << b.wire;
+    for (const GraphPage& page : {GraphPage{}, GraphPage{{"robot", "device0", "device2"}}}) {
+      const auto layout = graph::lay_out(cell, health, &page);
+      const auto pieces = pieces_of(layout);
+      for (const Piece& a : pieces) {
+        ASSERT_TRUE(a.from.x == a.to.x || a.from.y == a.to.y);
+        for (const Piece& b : pieces) {
+          if (a.wire >= b.wire || a.level() != b.level()) continue;
+          const graph::WireEnd& from = layout.wires[a.wire].from;
+          const graph::WireEnd& other = layout.wires[b.wire].from;
+          // The wires of one output leave it on one line.
+          const bool of_one_output = std::tie(from.column, from.box, from.port, from.at_right) ==
+                                     std::tie(other.column, other.box, other.port, other.at_right);
+          if (of_one_output && a.from.y == from.y && b.from.y == from.y) continue;
+          const double apart = a.level() ? std::abs(a.from.y - b.from.y) : std::abs(a.from.x - b.from.x);
+          const bool beside = a.low() < b.high() && b.low() < a.high();
+          ASSERT_FALSE(beside && apart < 7) << "wires " << a.wire << " and " << b.wire;
+        }
       }
     }
   }
@@ -533,7 +544,7 @@ TEST(GraphLayout, RoutesWiresAroundBoxes) {
       return layout.columns[place.column].boxes[place.box];
     };
     for (const graph::Wire& wire : layout.wires) {
-      const model::Connection& connection = cell.connections[wire.connection];
+      const model::Connection& connection = cell.connections[wire.connections.front()];
       for (const auto& [place, point, end, input] :
            {std::tuple{wire.from, wire.way.front(), connection.from, false},
             std::tuple{wire.to, wire.way.back(), connection.to, true}}) {
@@ -562,6 +573,38 @@ TEST(GraphLayout, RoutesWiresAroundBoxes) {
     for (std::size_t c = 1; c < layout.columns.size(); ++c)
       EXPECT_GT(layout.columns[c].left, layout.columns[c - 1].right());
   }
+}
+
+TEST(GraphSvg, HasRoomForMeasurementsOnAPage) {
+  const GraphPage page;
+  const std::string drawing = graph_svg(three(), running(), &page);
+  for (const char* what : {"faint run", "faint jitter", "track", "trend"})
+    EXPECT_EQ(occurrences(drawing, std::string{"class=\""} + what + "\""), 4U) << what << " of four modules";
+  EXPECT_THAT(graph_svg(three(), running()), Not(HasSubstr("class=\"trend\"")));
+  EXPECT_TRUE(is_well_formed(drawing));
+}
+
+TEST(GraphSvg, DrawsACollapsedDeviceAsOneBoxWithBundledConnections) {
+  auto cell = three();
+  cell.connections.push_back(latest("robot.arm.force", "line.belt.force"));
+  const GraphPage page{.collapsed = {"robot", "line"}};
+  const std::string drawing = graph_svg(cell, running(), &page);
+  EXPECT_EQ(occurrences(drawing, "data-module="), 1U) << "the dispatcher of the station";
+  EXPECT_EQ(occurrences(drawing, "data-fold="), 3U);
+  EXPECT_THAT(drawing, AllOf(HasSubstr(R"(data-connection="3 6")"), HasSubstr(">2 connections<"),
+                             HasSubstr(">to line<"), HasSubstr(">from robot<")));
+  EXPECT_THAT(drawing, Not(HasSubstr(R"(data-connection="0")"))) << "it is within the robot";
+  EXPECT_TRUE(is_well_formed(drawing));
+  expect_readable(drawing);
+}
+
+TEST(GraphLayout, DrawsTheConnectionsOfAnOutputOnOneLineUntilTheyPart) {
+  const auto layout = graph::lay_out(
+      connected(cells::cell("c", {device("d", {periodic("a", 1ms), periodic("b", 1ms), periodic("c", 1ms)})}),
+                {latest("d.a.out", "d.b.in"), latest("d.a.out", "d.c.in")}),
+      {});
+  EXPECT_EQ(layout.wires[0].from.y, layout.wires[1].from.y);
+  EXPECT_NE(layout.wires[0].branches, layout.wires[1].branches) << "a dot at the first corner";
 }
 
 TEST(GraphSvg, SaysHowManyElementsAreNotDrawn) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -18,8 +19,9 @@ using model::Connection;
 using model::Module;
 
 // The sizes below are in pixels.
-constexpr double kTrack = 12;  // distance of two neighbouring tracks
-constexpr double kStub = 18;   // minimum distance from a column to the first track
+constexpr double kTrack = 12;             // distance of two neighbouring tracks
+constexpr double kStub = 18;              // minimum distance from a column to the first track
+constexpr double kRoomForMeasures = 230;  // minimum width of a module's box on a page
 
 /// The vertical distance of two neighbouring wires, each with a label. kPitchLive is for a running cell,
 /// whose drawing also shows the health of each connection below the label.
@@ -59,7 +61,13 @@ struct Track {
   double to = 0;              // the y coordinate at which the track ends
   bool leaves_left = false;   // the wire ends at the column on the left of the channel
   bool leaves_right = false;  // the wire ends at the column on the right of the channel
+  std::size_t place = 0;      // tracks that are not beside each other may have the same place
   double x = 0;
+
+  [[nodiscard]] bool beside(const Track& other) const {
+    return std::min(from, to) <= std::max(other.from, other.to) &&
+           std::min(other.from, other.to) <= std::max(from, to);
+  }
 };
 
 /// The space between a column and the next one, for vertical parts of wires and for labels.
@@ -67,10 +75,10 @@ struct Channel {
   double left_zone = kStub;  // width of the labels at the left column
   double right_zone = kStub;
   std::vector<Track> tracks;
+  std::size_t places = 0;
 
   [[nodiscard]] double width() const {
-    return tracks.empty() ? 2 * kMargin
-                          : left_zone + right_zone + kTrack * static_cast<double>(tracks.size() + 1);
+    return tracks.empty() ? 2 * kMargin : left_zone + right_zone + kTrack * static_cast<double>(places + 1);
   }
 };
 
@@ -84,7 +92,8 @@ bool passes(const Wire& wire) {
 
 class Builder {
  public:
-  Builder(const model::Cell& cell, const CellHealth& health) : cell_(cell), health_(health) {
+  Builder(const model::Cell& cell, const CellHealth& health, const GraphPage* page)
+      : cell_(cell), health_(health), page_(page) {
     const bool live = !health.connections.empty();
     layout_.pitch = live ? kPitchLive : kPitchAtRest;
     step_ = live ? kStepLive : kStepAtRest;
@@ -106,26 +115,35 @@ class Builder {
   }
 
  private:
+  using Key = std::tuple<std::size_t, std::size_t, std::string>;
   /// Identifies a port by name. Indexes are valid only after all ports have been added and sorted.
   struct Named {
     WireEnd place;
     std::string port;
     bool input = false;
+
+    [[nodiscard]] Key key() const { return {place.column, place.box, port}; }
   };
 
   void add_device(const model::Device& device);
   Box box_of(const model::Device& device, const Module& module, bool alive) const;
   Column& outside();
-  Named end_of(const model::Endpoint& end, const Connection& connection, bool input);
+  Named end_of(const model::Endpoint& end, const model::Endpoint& other, const Connection& connection,
+               bool input);
+  [[nodiscard]] bool is_collapsed(const std::string& device) const {
+    return page_ != nullptr && page_->collapsed.contains(device);
+  }
   void add_wires();
   static void inputs_first(Box& box);
   void name_places();
   void choose_sides();
   void set_heights();
   void set_heights(Column& column);
+  [[nodiscard]] bool measured(const Box& box) const { return page_ != nullptr && !box.state.empty(); }
   void set_widths();
   void add_tracks(std::size_t wire);
   static void order(Channel& channel);
+  static void pack(Channel& channel);
   void find_ways();
   [[nodiscard]] double x_of(const WireEnd& place, std::size_t wire) const;
 
@@ -136,11 +154,13 @@ class Builder {
 
   const model::Cell& cell_;
   const CellHealth& health_;
+  const GraphPage* page_;
   double step_;
   Layout layout_;
-  std::map<std::string, WireEnd> modules_;     // for each module, by "device.module"
-  std::map<std::string, std::size_t> topics_;  // the index of each topic's box in outside()
-  std::vector<std::pair<Named, Named>> ends_;  // the two ends of each wire
+  std::map<std::string, WireEnd> modules_;              // for each module, by "device.module"
+  std::map<std::string, std::size_t> topics_;           // the index of each topic's box in outside()
+  std::vector<std::pair<Named, Named>> ends_;           // the two ends of each wire
+  std::map<std::pair<Key, Key>, std::size_t> bundles_;  // the index of each wire of a collapsed device
   std::vector<Channel> channels_;
 };
 
@@ -175,13 +195,21 @@ void Builder::add_device(const model::Device& device) {
     column.look = look_of(wire::judge(
         wire::DeviceReport{.state = "running", .health = why.empty() ? "ok" : "degraded", .alive = alive}));
   }
+  column.collapsed = is_collapsed(device.name);
   for (const Module& module : device.modules) {
+    if (column.collapsed) {
+      modules_[device.name + "." + module.name] = {.column = layout_.columns.size()};
+      continue;
+    }
     if (column.boxes.size() == kGraphModules) break;
     modules_[device.name + "." + module.name] = {.column = layout_.columns.size(),
                                                  .box = column.boxes.size()};
     column.boxes.push_back(box_of(device, module, alive));
   }
-  column.left_out = device.modules.size() - column.boxes.size();
+  if (column.collapsed)
+    column.boxes.emplace_back();
+  else
+    column.left_out = device.modules.size() - column.boxes.size();
   layout_.columns.push_back(std::move(column));
 }
 
@@ -195,8 +223,13 @@ Column& Builder::outside() {
   return layout_.columns.back();
 }
 
-Builder::Named Builder::end_of(const model::Endpoint& end, const Connection& connection, bool input) {
-  if (end.given()) return {modules_.at(end.device + "." + end.module), end.port, input};
+Builder::Named Builder::end_of(const model::Endpoint& end, const model::Endpoint& other,
+                               const Connection& connection, bool input) {
+  if (end.given()) {
+    const WireEnd place = modules_.at(end.device + "." + end.module);
+    if (!is_collapsed(end.device)) return {place, end.port, input};
+    return {place, (input ? "from " : "to ") + (other.given() ? other.device : "other programs"), input};
+  }
   Column& column = outside();
   const std::string domain = connection.domain ? fmt::format("domain {}", *connection.domain) : "";
   const auto [topic, is_new] = topics_.emplace(connection.topic + " " + domain, column.boxes.size());
@@ -220,10 +253,23 @@ void Builder::add_wires() {
       ++layout_.connections_left_out;
       continue;
     }
+    const auto is_folded = [&](const model::Endpoint& end) {
+      return end.given() && is_collapsed(end.device);
+    };
+    if (is_folded(connection.from) && connection.from.device == connection.to.device) continue;
+    auto from = end_of(connection.from, connection.to, connection, false);
+    auto to = end_of(connection.to, connection.from, connection, true);
+    if (is_folded(connection.from) || is_folded(connection.to)) {
+      const auto [known, is_new] = bundles_.try_emplace({from.key(), to.key()}, layout_.wires.size());
+      if (!is_new) {
+        layout_.wires[known->second].connections.push_back(i);
+        continue;
+      }
+    }
     Wire wire;
-    wire.connection = i;
+    wire.connections.push_back(i);
     layout_.wires.push_back(std::move(wire));
-    ends_.emplace_back(end_of(connection.from, connection, false), end_of(connection.to, connection, true));
+    ends_.emplace_back(std::move(from), std::move(to));
     for (const Named* end : {&ends_.back().first, &ends_.back().second}) {
       std::vector<Port>& ports = layout_.columns[end->place.column].boxes[end->place.box].ports;
       const bool known = std::any_of(ports.begin(), ports.end(), [&](const Port& port) {
@@ -272,7 +318,7 @@ void Builder::set_heights(Column& column) {
   double y = column.top + whole(column.state.empty() ? 40 : 54);
   for (Box& box : column.boxes) {
     box.top = y;
-    y += whole(box.state.empty() ? 34 : 46);
+    if (!column.collapsed) y += whole((box.state.empty() ? 34 : 46) + (measured(box) ? kMeasures : 0));
     for (Port& port : box.ports) {
       port.y = y + layout_.pitch / 2;
       y += layout_.pitch * static_cast<double>(port.lines());
@@ -295,7 +341,7 @@ void Builder::set_heights() {
     for (WireEnd* place : {&layout_.wires[i].from, &layout_.wires[i].to}) {
       const Port& port = port_at(*place);
       const auto& side = place->at_right ? port.right : port.left;
-      const auto at = std::find(side.begin(), side.end(), i) - side.begin();
+      const auto at = port.input ? std::find(side.begin(), side.end(), i) - side.begin() : 0;
       place->y = port.y + layout_.pitch * static_cast<double>(at);
     }
   }
@@ -342,13 +388,32 @@ void Builder::order(Channel& channel) {
   });
 }
 
+/// Gives the tracks places from left to right, as few as possible, in an order that order() has chosen. Only
+/// tracks beside each other need different places, and only their order affects which wires cross. Tracks of
+/// wires that return to the right column stay near it.
+void Builder::pack(Channel& channel) {
+  std::vector<Track>& tracks = channel.tracks;
+  for (std::size_t t = 0; t < tracks.size(); ++t) {
+    for (std::size_t u = 0; u < t; ++u) {
+      if (tracks[t].beside(tracks[u])) tracks[t].place = std::max(tracks[t].place, tracks[u].place + 1);
+    }
+    channel.places = std::max(channel.places, tracks[t].place + 1);
+  }
+  for (std::size_t t = tracks.size(); t-- > 0 && !tracks[t].leaves_left;) {
+    tracks[t].place = channel.places - 1;
+    for (std::size_t u = t + 1; u < tracks.size(); ++u) {
+      if (tracks[t].beside(tracks[u])) tracks[t].place = std::min(tracks[t].place, tracks[u].place - 1);
+    }
+  }
+}
+
 void Builder::set_widths() {
   channels_.resize(layout_.columns.size());
   for (std::size_t i = 0; i < layout_.wires.size(); ++i) {
     add_tracks(i);
     const Wire& wire = layout_.wires[i];
-    const auto health = health_.connections.find(wire.connection);
-    double room = width_of(label_of(cell_.connections[wire.connection]), kSmall);
+    const auto health = health_.connections.find(wire.connections.front());
+    double room = width_of(label_of(cell_, wire), kSmall);
     if (health != health_.connections.end())
       room = std::max(room, width_of(health_text(health->second), kSmall));
     Channel& channel = channels_[channel_of(wire.to)];
@@ -358,7 +423,9 @@ void Builder::set_widths() {
   double x = kMargin;
   for (std::size_t c = 0; c < layout_.columns.size(); ++c) {
     Column& column = layout_.columns[c];
-    double widest = std::max(width_of(column.name, kLarge), width_of(column.state, kSmall));
+    double widest = std::max(width_of(column.name, kLarge) + (page_ == nullptr || column.outside ? 0 : kFold),
+                             width_of(column.state, kSmall));
+    if (page_ != nullptr && !column.outside && !column.collapsed) widest = std::max(widest, kRoomForMeasures);
     for (const Box& box : column.boxes) {
       widest = std::max({widest, width_of(box.name, kNormal) + kInside, width_of(box.about, kSmall) + kInside,
                          width_of(box.state, kSmall) + kInside});
@@ -368,9 +435,9 @@ void Builder::set_widths() {
     column.width = std::ceil(widest + 2 * kInside);
     Channel& channel = channels_[c];
     order(channel);
-    for (std::size_t t = 0; t < channel.tracks.size(); ++t) {
-      channel.tracks[t].x = column.right() + channel.left_zone + kTrack * static_cast<double>(t + 1);
-    }
+    pack(channel);
+    for (Track& track : channel.tracks)
+      track.x = column.right() + channel.left_zone + kTrack * static_cast<double>(track.place + 1);
     x = column.right() + channel.width();
   }
 }
@@ -399,11 +466,19 @@ void Builder::find_ways() {
     wire.way.push_back({last, wire.to.y});
     wire.way.push_back({edge(wire.to), wire.to.y});
   }
+  for (std::size_t i = 0; i < layout_.wires.size(); ++i) {
+    Wire& wire = layout_.wires[i];
+    const Port& port = port_at(wire.from);
+    for (const std::size_t other : wire.from.at_right ? port.right : port.left) {
+      const double further = layout_.wires[other].way[1].x - wire.way[1].x;
+      if (other != i && (wire.from.at_right ? further >= 0 : further <= 0)) wire.branches = true;
+    }
+  }
 }
 
 }  // namespace
 
-std::size_t Port::lines() const { return std::max<std::size_t>({left.size(), right.size(), 1}); }
+std::size_t Port::lines() const { return input ? std::max<std::size_t>({left.size(), right.size(), 1}) : 1; }
 
 Look look_of(const CellHealth::Connection& health) { return look_of(wire::judge(health).rating); }
 
@@ -417,6 +492,13 @@ std::string label_of(const Connection& connection) {
   return text;
 }
 
-Layout lay_out(const model::Cell& cell, const CellHealth& health) { return Builder{cell, health}.build(); }
+std::string label_of(const model::Cell& cell, const Wire& wire) {
+  if (wire.connections.size() > 1) return count(wire.connections.size(), "connection");
+  return label_of(cell.connections[wire.connections.front()]);
+}
+
+Layout lay_out(const model::Cell& cell, const CellHealth& health, const GraphPage* page) {
+  return Builder{cell, health, page}.build();
+}
 
 }  // namespace takt::tool::graph

@@ -1,10 +1,12 @@
 // The layout of a cell's graph. Each device is a column of boxes, one box per module. Between two columns is
 // a channel for connections: a connection leaves its port sideways, goes up or down on its own track, and
-// enters the other port sideways. A connection that passes a device goes below all columns. So no two lines
-// overlap, no line crosses a box, and no two texts overlap.
+// enters the other port sideways. A connection that passes a device goes below all columns. The connections
+// of one output leave it on one line. So no lines of different outputs overlap, no line crosses a box, and no
+// two texts overlap.
 #pragma once
 
 #include <cstddef>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,9 +19,11 @@
 namespace takt::tool::graph {
 
 // The sizes below are in pixels.
-inline constexpr double kTop = 70;     ///< y coordinate of the first column
-inline constexpr double kInside = 12;  ///< distance from a frame to its content
-inline constexpr double kArrow = 8;    ///< length of an arrow head
+inline constexpr double kTop = 70;       ///< y coordinate of the first column
+inline constexpr double kInside = 12;    ///< distance from a frame to its content
+inline constexpr double kArrow = 8;      ///< length of an arrow head
+inline constexpr double kMeasures = 30;  ///< height of the measurements in the box of a module, on a page
+inline constexpr double kFold = 24;      ///< size of the control that collapses a device, on a page
 
 /// The CSS classes that show a state.
 struct Look {
@@ -41,7 +45,7 @@ struct Port {
   bool input = false;
   std::vector<std::size_t> left;   ///< the indexes of the wires on the left side, from top to bottom
   std::vector<std::size_t> right;  ///< the indexes of the wires on the right side, from top to bottom
-  double y = 0;                    ///< y of the name and the first wire; each further wire is `pitch` lower
+  double y = 0;  ///< y of the name and the first wire; each further wire of an input is `pitch` lower
 
   [[nodiscard]] std::size_t lines() const;
   /// True if the drawing shows the port's name at the right edge of the box, not at the left edge.
@@ -69,6 +73,7 @@ struct Column {
   std::string state;
   Look look = kUnknown;
   bool outside = false;
+  bool collapsed = false;
   std::size_t left_out = 0;  ///< the number of modules that are not drawn
   std::vector<Box> boxes;
   double left = 0;
@@ -89,11 +94,16 @@ struct WireEnd {
 };
 
 struct Wire {
-  std::size_t connection = 0;  ///< the index in Cell::connections
+  std::vector<std::size_t>
+      connections{};  ///< the indexes in Cell::connections; several only at a collapsed device
   WireEnd from;
   WireEnd to;
   std::vector<Point> way;  ///< the corners of the line, from port to port
+  bool branches = false;   ///< true if another wire of the output goes on where this one turns
 };
+
+/// The label of a wire: that of its connection, or how many connections it stands for.
+std::string label_of(const model::Cell& cell, const Wire& wire);
 
 struct Layout {
   std::vector<Column> columns;
@@ -103,6 +113,6 @@ struct Layout {
   std::size_t connections_left_out = 0;
 };
 
-Layout lay_out(const model::Cell& cell, const CellHealth& health);
+Layout lay_out(const model::Cell& cell, const CellHealth& health, const GraphPage* page = nullptr);
 
 }  // namespace takt::tool::graph

@@ -54,13 +54,16 @@ constexpr std::string_view kDarkGraphColours = R"(
 
 class GraphDrawing {
  public:
-  GraphDrawing(const model::Cell& cell, const CellHealth& health, GraphLegend legend)
-      : cell_(cell), health_(health), legend_(legend), layout_(lay_out(cell, health)) {}
+  GraphDrawing(const model::Cell& cell, const CellHealth& health, const GraphPage* page)
+      : cell_(cell), health_(health), page_(page), layout_(lay_out(cell, health, page)) {}
 
   std::string draw() {
     draw_title();
     for (const Column& column : layout_.columns) draw_column(column);
     for (const Wire& wire : layout_.wires) draw_wire(wire);
+    for (const Wire& wire : layout_.wires) {
+      if (wire.branches) canvas_.circle(wire.way[1].x, wire.way[1].y, 3, "head");
+    }
     for (const Wire& wire : layout_.wires) draw_label(wire);
     draw_legend();
     return canvas_.document("The cell " + cell_.name, kGraphColours, kDarkGraphColours);
@@ -69,14 +72,19 @@ class GraphDrawing {
  private:
   void draw_title();
   void draw_column(const Column& column);
+  void draw_fold(const Column& column);
   void draw_box(const Column& column, const Box& box);
+  void draw_measures(double left, double right, double top);
   void draw_port(double left, double right, const Port& port);
   void draw_wire(const Wire& wire);
   void draw_label(const Wire& wire);
   void draw_legend();
 
   [[nodiscard]] const Connection& connection_of(const Wire& wire) const {
-    return cell_.connections[wire.connection];
+    return cell_.connections[wire.connections.front()];
+  }
+  [[nodiscard]] static std::string numbers_of(const Wire& wire) {
+    return fmt::format("{}", fmt::join(wire.connections, " "));
   }
   /// The CSS classes of a word that names a state or health. The page of `takt web` finds these words by the
   /// class `state` and replaces them.
@@ -84,13 +92,13 @@ class GraphDrawing {
   [[nodiscard]] std::string title_of(const Wire& wire) const;
   /// The health of a wire's connection, or null if it is not known.
   [[nodiscard]] const CellHealth::Connection* health_of(const Wire& wire) const {
-    const auto found = health_.connections.find(wire.connection);
+    const auto found = health_.connections.find(wire.connections.front());
     return found == health_.connections.end() ? nullptr : &found->second;
   }
 
   const model::Cell& cell_;
   const CellHealth& health_;
-  GraphLegend legend_;
+  const GraphPage* page_;
   Layout layout_;
   Canvas canvas_;
 };
@@ -117,28 +125,55 @@ void GraphDrawing::draw_column(const Column& column) {
   if (!column.about.empty()) canvas_.text(x, column.top + 33, kSmall, "faint", column.about);
   if (!column.state.empty()) canvas_.text(x, column.top + 47, kSmall, word_of(column.look), column.state);
   canvas_.close_group();
+  if (page_ != nullptr && !column.outside) draw_fold(column);
   for (const Box& box : column.boxes) draw_box(column, box);
   if (column.left_out == 0) return;
   canvas_.text(x, column.bottom - 12, kSmall, "faint", "and " + count(column.left_out, "module") + " more");
+}
+
+/// Draws the control that collapses or expands a device.
+void GraphDrawing::draw_fold(const Column& column) {
+  const double x = column.right() - kFold;
+  canvas_.open_group((column.collapsed ? "expand device " : "collapse device ") + column.name, "fold", "fold",
+                     column.name);
+  canvas_.rectangle(x, column.top, kFold, kFold, "panel", 6);
+  canvas_.line(x + 7, column.top + 12, x + 17, column.top + 12, "joint");
+  if (column.collapsed) canvas_.line(x + 12, column.top + 7, x + 12, column.top + 17, "joint");
+  canvas_.close_group();
+}
+
+/// Draws what the page fills in: the run time as words and a bar, the jitter as words and its trend.
+void GraphDrawing::draw_measures(double left, double right, double top) {
+  const double middle = (left + right) / 2;
+  canvas_.text(left, top + 10, kSmall, "faint run", "");
+  canvas_.text_before(right, top + 10, kSmall, "faint jitter", "");
+  canvas_.rectangle(left, top + 16, middle - left - kInside, 6, "track", 3);
+  canvas_.rectangle(left, top + 16, 0, 6, "used", 3);
+  canvas_.rectangle(middle, top + 13, right - middle, 14, "trend");
 }
 
 void GraphDrawing::draw_box(const Column& column, const Box& box) {
   const double left = column.left + kInside;
   const double right = column.right() - kInside;
   const double x = left + kInside / 2;
-  if (column.outside)
-    canvas_.open_group(box.title);
+  if (column.collapsed && box.ports.empty()) return;
+  if (column.collapsed || column.outside)
+    canvas_.open_group(column.collapsed ? "connections of device " + column.name : box.title);
   else
     canvas_.open_group(box.title, "box", "module", column.name + "." + box.name);
   canvas_.rectangle(left, box.top, right - left, box.height, "module", 4);
-  canvas_.text(x, box.top + 15, kNormal, "title", box.name);
-  canvas_.text(x, box.top + 28, kSmall, "faint", box.about);
+  if (!column.collapsed) {
+    canvas_.text(x, box.top + 15, kNormal, "title", box.name);
+    canvas_.text(x, box.top + 28, kSmall, "faint", box.about);
+  }
   if (!box.state.empty()) canvas_.text(x, box.top + 40, kSmall, word_of(box.look), box.state);
+  if (page_ != nullptr && !box.state.empty()) draw_measures(x, right - kInside / 2, box.top + 44);
   for (const Port& port : box.ports) draw_port(left, right, port);
   canvas_.close_group();
 }
 
 std::string GraphDrawing::title_of(const Wire& wire) const {
+  if (wire.connections.size() > 1) return label_of(cell_, wire);
   const Connection& connection = connection_of(wire);
   const auto* health = health_of(wire);
   return end_text(connection.from) + " -> " + end_text(connection.to) + ": " + described(connection) +
@@ -164,8 +199,9 @@ void GraphDrawing::draw_port(double left, double right, const Port& port) {
     canvas_.line(std::min(named, at_right ? left : right), port.y, std::max(named, at_right ? left : right),
                  port.y, "grid");
   }
-  // If a port has several wires on one side, join them with a bar.
+  // If an input has several wires on one side, join them with a bar.
   for (const bool side : {false, true}) {
+    if (!port.input) break;
     const auto& wires = side ? port.right : port.left;
     const double x = side ? right : left;
     if (wires.size() < 2) continue;
@@ -182,7 +218,7 @@ void GraphDrawing::draw_wire(const Wire& wire) {
   std::vector<Point> way = wire.way;
   const Point tip = way.back();
   way.back().x += wire.to.at_right ? kArrow : -kArrow;
-  canvas_.open_group(title_of(wire), "link", "connection", std::to_string(wire.connection));
+  canvas_.open_group(title_of(wire), "link", "connection", numbers_of(wire));
   canvas_.path(way, "halo");
   canvas_.path(way, classes);
   canvas_.circle(way.front().x, way.front().y, 2.5, "head");
@@ -199,8 +235,8 @@ void GraphDrawing::draw_label(const Wire& wire) {
       canvas_.text_before(column.left - 4, y, kSmall, classes, text);
     }
   };
-  canvas_.open_group(title_of(wire), "label", "connection", std::to_string(wire.connection));
-  put(wire.to.y - 4, "faint", label_of(connection_of(wire)));
+  canvas_.open_group(title_of(wire), "label", "connection", numbers_of(wire));
+  put(wire.to.y - 4, "faint", label_of(cell_, wire));
   if (const auto* health = health_of(wire))
     put(wire.to.y + 12, word_of(look_of(*health)), health_text(*health));
   canvas_.close_group();
@@ -227,7 +263,7 @@ void GraphDrawing::draw_legend() {
   sample("queue", "connection with a queue", of_kind(ConnectionKind::queue));
   const auto with = [&](Look look) {
     return [this, look](const Wire& wire) {
-      if (legend_ == GraphLegend::whole) return true;
+      if (page_ != nullptr) return true;
       const auto* health = health_of(wire);
       return health != nullptr && look_of(*health).line == look.line;
     };
@@ -238,6 +274,17 @@ void GraphDrawing::draw_legend() {
          "stale: the newest value is older than the connection's deadline; or the reader gets the safe value",
          with(kBad));
   sample("broken", "not matched: the writer and the reader have not found each other", with(kBroken));
+  const auto filled = [&](std::string_view classes, std::string_view text) {
+    canvas_.rectangle(left + 12, y - 5, 16, 10, classes, 2);
+    entry(text);
+  };
+  if (page_ != nullptr) {
+    filled("good-word", "module: EXECUTING");
+    filled("poor-word", "module: in a safe stop; device: degraded; bar: above 80 % of the budget");
+    filled("bad-word", "module: in RECOVER, given up or lost; device: failed or lost; bar: above the budget");
+    filled("grid-fill", "module: not EXECUTING");
+    filled("used", "bar: run time (p99) as a share of the budget, else of the period or deadline");
+  }
   if (cell_.devices.size() > kGraphDevices) {
     entry(fmt::format("only {} of {} devices are drawn; takt graph --json lists them all", kGraphDevices,
                       cell_.devices.size()));
@@ -250,8 +297,8 @@ void GraphDrawing::draw_legend() {
 
 }  // namespace
 
-std::string graph_svg(const model::Cell& cell, const CellHealth& health, GraphLegend legend) {
-  return GraphDrawing{cell, health, legend}.draw();
+std::string graph_svg(const model::Cell& cell, const CellHealth& health, const GraphPage* page) {
+  return GraphDrawing{cell, health, page}.draw();
 }
 
 }  // namespace takt::tool

@@ -79,15 +79,17 @@ std::string graph_text(const model::Cell& cell, const CellHealth& health, Style 
 /// out. An end outside Takt is null.
 nlohmann::ordered_json graph_json(const model::Cell& cell, const CellHealth& health);
 
-/// The entries of the legend: `drawn` gives only those for the elements that are drawn; `whole` gives all
-/// entries, for a page that adds the health later.
-enum class GraphLegend { drawn, whole };
+/// How to draw the graph for a page that shows the running cell in it.
+struct GraphPage {
+  std::set<std::string> collapsed{};  ///< the devices that are one box, without their modules
+};
 /// Draws the cell as SVG: a box for each device with its modules and their connected ports, and an arrow for
-/// each connection. The drawing has at most kGraphDevices devices, kGraphModules modules per device and
-/// kGraphConnections connections; a note counts the rest. Words and line styles show the health, not only
-/// colours.
-std::string graph_svg(const model::Cell& cell, const CellHealth& health,
-                      GraphLegend legend = GraphLegend::drawn);
+/// each connection. For a page, the drawing has room for the measurements, a control that collapses each
+/// device, and the whole legend. All connections between a collapsed device and one port, or another
+/// collapsed device, are one arrow. The drawing has at most kGraphDevices devices, kGraphModules modules per
+/// device and kGraphConnections connections; a note counts the rest. Words and line styles show the health,
+/// not only colours.
+std::string graph_svg(const model::Cell& cell, const CellHealth& health, const GraphPage* page = nullptr);
 inline constexpr std::size_t kGraphDevices = 50;
 inline constexpr std::size_t kGraphModules = 100;
 inline constexpr std::size_t kGraphConnections = 500;

@@ -49,9 +49,11 @@ Json module_json(const model::Module& module) {
 
 Json end_json(const model::Endpoint& end) { return end.given() ? Json(to_text(end)) : Json(); }
 
-/// The graph of the cell as SVG. Each state and health is drawn with the longest possible text, so that the
-/// page can later replace the text by any other.
-std::string graph_of(const model::Cell& cell) {
+}  // namespace
+
+// Each state and health is drawn with the longest possible text, so that the page can later replace the text
+// by any other.
+std::string graph_of(const model::Cell& cell, const GraphPage& page) {
   CellHealth health;
   for (const model::Device& device : cell.devices) {
     health.devices[device.name] = {};
@@ -60,10 +62,8 @@ std::string graph_of(const model::Cell& cell) {
   }
   for (std::size_t i = 0; i < cell.connections.size(); ++i)
     health.connections[i] = {.safe = true, .age = std::chrono::milliseconds{999}};
-  return graph_svg(cell, health, GraphLegend::whole);
+  return graph_svg(cell, health, &page);
 }
-
-}  // namespace
 
 Json device_json(const wire::ObservedDevice& device) {
   const DeviceStatus& s = device.status;
@@ -238,7 +238,7 @@ Json cell_json(const model::Cell* cell, int domain, const std::string& deploymen
                                    {"text", described(connection)}});
     if (connection.deadline) json["connections"].back()["deadline_ns"] = connection.deadline->count();
   }
-  json["graph"] = graph_of(*cell);
+  json["graph"] = graph_of(*cell, {});
   return json;
 }
 

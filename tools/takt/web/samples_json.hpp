@@ -31,6 +31,8 @@ Json measures_json(const std::vector<wire::ObservedDevice>& devices, const model
 /// The running cell as the descriptor describes it, with its tables, and its graph as SVG. `cell` is null if
 /// no running cell is known.
 Json cell_json(const model::Cell* cell, int domain, const std::string& deployment);
+/// The graph of the cell as SVG, to which the page adds the states and values.
+std::string graph_of(const model::Cell& cell, const GraphPage& page);
 /// At most this many rows of an executor's table are sent to pages, because a table may have a million rows.
 inline constexpr std::size_t kMostRows = 200;
 
