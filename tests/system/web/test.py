@@ -867,6 +867,87 @@ class Web(takt_system.Case):
                              "the lines of a legend must have the colour of the curves")
         self.finish(web)
 
+    def test_the_graph_shows_the_newest_value_of_each_visible_wire(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("#/cell")
+        label = ".label[data-connection='0'] .state"
+        number = int(page.wait_for(label, r"^\d+ \+\d+ \u00b7 \S+ .?s$").split()[0])
+        page.wait_for_attribute(".values", "aria-pressed", "true")
+        wait_until(lambda: int(page.text(label).split()[0]) > number, "a newer value")
+        page.click(".values")
+        wait_until(lambda: page.text(label) == "", "no value")
+        self.assertIn("values=off", page.script("return location.hash"))
+        page.click(".values")
+        page.wait_for(label, r"^\d+ ")
+        # The value keeps, and turns red, when the connection becomes stale.
+        self.done("stop robot.source")
+        self.assertRegex(page.wait_for(label + ".bad-word", r"stale"), r"stale \u00b7 \d+ \+")
+        self.done("start robot.source")
+        page.wait_for(label + ".good-word", r"^\d+ \+")
+
+        # A wire outside the visible part of the drawing has no value, nor has any in another view.
+        chosen = """
+            const fetched = window.fetch;
+            window.asked = [];
+            window.fetch = (address, options) => { if (options?.method === "PUT") window.asked.push(options.body); return fetched(address, options); };"""
+        page.without_shared_workers()
+        page.open("about:blank")
+        page.open(self.address + "#/cell")
+        page.script(chosen)
+        page.wait_for(label, r"^\d+ ")
+        page.size(390, 400)
+        page.script("document.querySelector('.surface').focus()")
+        page.press(*[Keys.ARROW_DOWN] * 10)
+        wait_until(lambda: page.script("return window.asked.at(-1)") == '{"newest":[]}', "no value of an invisible wire")
+        page.size(1440, 900)
+        wait_until(lambda: page.script("return window.asked.at(-1)") == '{"newest":["robot.source.out"]}', "the value again")
+        page.go("#/modules")
+        wait_until(lambda: page.script("return window.asked.at(-1)") == '{"newest":[]}', "no value in another view")
+        page.go("#/cell")
+        page.script("document.querySelector(arguments[0]).dispatchEvent(new MouseEvent('click', {bubbles: true}))", label)
+        wait_until(lambda: "select=connection%3A0" in page.script("return location.hash"), "the selected connection in the address")
+        page.wait_for_attribute(".link[data-connection='0']", "class", "link touched")
+        self.finish(web)
+
+    def test_the_graph_shows_run_time_and_jitter_in_each_module_and_collapses_devices(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("#/cell")
+        source = "[data-module='robot.source'] "
+        page.wait_for(source + ".run", r"^run \S+ us of 5 ms$")
+        page.wait_for(source + ".jitter", r"^jitter \S+ .?s$")
+        wait_until(lambda: (page.attribute(source + "path.trend", "d") or "").count("L") >= 2, "the trend of the jitter")
+        self.assertLess(0, float(page.attribute(source + ".used", "width")))
+        for one in ("ok", "degraded", "stale", "not matched"):
+            self.assertTrue([text for text in page.texts(".drawing text") if text.startswith(one)], "%r in the legend" % one)
+        page.wait_for(".label[data-connection='0'] .state", r"^\d+ ")
+        self.assertEqual([], page.script("""
+            const all = [...document.querySelectorAll(".drawing text")].filter((one) => one.textContent)
+              .map((one) => [one.textContent, one.getBBox()]);
+            const crosses = (a, b) => a.x < b.x + b.width && b.x < a.x + a.width && a.y + 2 < b.y + b.height && b.y + 2 < a.y + a.height;
+            return all.flatMap(([text, a], i) => all.slice(i + 1).filter(([, b]) => crosses(a, b)).map(([other]) => `${text} on ${other}`));"""))
+
+        heights = page.script("return [...document.querySelectorAll('.drawing .box > .module')].map((one) => one.getAttribute('height'))")
+        self.assertEqual(1, len(set(heights[1:3] + heights[4:])), "modules without connections have boxes of one size")
+        page.click("[data-fold='robot']")
+        wait_until(lambda: not page.texts("[data-module^='robot.']"), "the collapsed device")
+        self.assertIn("collapsed=robot", page.script("return location.hash"))
+        page.wait_for("[data-device='robot'] .state-word", "^running$")
+        page.wait_for(".label[data-connection='0'] .state", r"^\d+ ")
+        page.driver.refresh()
+        page.wait_for("[data-module='line.fails'] .state-word", "RECOVER")
+        self.assertEqual([], page.texts("[data-module^='robot.']"))
+        page.script("document.querySelector('[data-device=line]').focus()")
+        page.press(Keys.SPACE)
+        page.wait_for("[data-device='line'] .state-word", "^fails: RECOVER$")
+        self.assertEqual("bad", page.attribute("[data-device='line']", "data-look"))
+        page.click("[data-fold='line']")
+        page.click("[data-fold='robot']")
+        page.wait_for("[data-module='robot.source'] .state-word", "EXECUTING")
+        self.assertNotIn("collapsed", page.script("return location.hash"))
+        self.finish(web)
+
     @takt_system.quiet("the test looks for the last fault, and rows missed on a busy machine would be newer faults")
     def test_the_wall_view_shows_in_large_letters_what_needs_attention(self):
         web = self.serve()

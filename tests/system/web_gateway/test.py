@@ -334,6 +334,37 @@ class Gateway(takt_system.Case):
         self.assertEqual([], self.ask("api/history?module=left.nobody")[1]["times_ms"])
         self.finish(run)
 
+    def test_a_web_client_can_request_only_the_newest_values_of_ports(self):
+        run = self.cell()
+        events = self.events()
+        path = "api/streams/%s/ports" % events.wait(lambda e: e.of("stream"))[0]["id"]
+        status, said = self.ask(path, {"newest": ["left.source.out", "left.source.ouy"]}, "PUT")
+        self.assertEqual((200, ["left.source.ouy"]), (status, [p["port"] for p in said["problems"]]))
+
+        def numbers():
+            return [int(re.fullmatch(r"(\d+) \+\d+", e["values"]["left.source.out"])[1]) for e in events.of("newest")]
+        events.wait(lambda e: len(numbers()) >= 3)
+        self.assertEqual(sorted(set(numbers())), numbers())
+        self.assertEqual([], events.of("points"), "no history is collected")
+        # A list that is not given stays.
+        self.assertEqual((200, {"problems": []}), self.ask(path, {"ports": ["left.source.out"]}, "PUT"))
+        seen = len(numbers())
+        events.wait(lambda e: e.of("points") and len(numbers()) > seen)
+        self.assertEqual((200, {"problems": []}), self.ask(path, {"newest": []}, "PUT"))
+        points = len(events.of("points"))
+        events.wait(lambda e: len(e.of("points")) > points)
+        self.assertEqual(400, self.ask(path, {"newest": ["a.b.c"] * 501}, "PUT")[0])
+        self.finish(run)
+
+    def test_a_web_client_can_request_the_graph_with_collapsed_devices(self):
+        run = self.cell()
+        wait_until(lambda: self.ask("api/graph")[0] == 200, "the graph")
+        self.assertEqual(5, self.ask("api/graph")[1]["graph"].count("data-module="))
+        graph = self.ask("api/graph?collapsed=left,nothing")[1]["graph"]
+        self.assertEqual(3, graph.count("data-module="))
+        self.assertIn("to right", graph)
+        self.finish(run)
+
     def test_the_gateway_follows_the_update_and_undeployment_of_a_cell(self):
         run = self.cell()
         spare = self.node("spare")

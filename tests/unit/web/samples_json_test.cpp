@@ -201,5 +201,27 @@ TEST(StatusJson, ContainsAllMembersOfAFault) {
       R"("cause":"signal 11","attachment":"/var/core","count":2,"cycle":44,"sequence":9,"time_ms":3.0})");
 }
 
+TEST(ShortText, ShowsTheFirstNumberAndHowManyValuesFollow) {
+  using recording::Value;
+  model::Type type{"t::T",
+                   {{.name = "name", .scalar = model::Scalar::text, .bound = 8},
+                    {.name = "x", .scalar = model::Scalar::float64},
+                    {.name = "on", .scalar = model::Scalar::boolean}}};
+  const auto text = [&type](const std::vector<Value>& values) {
+    return short_text(recording::Columns{type}, values);
+  };
+  EXPECT_EQ(text({{"arm"}, {0.52359877559829}, {true}}), "0.5236 +2");
+  EXPECT_EQ(text({{"arm"}, {-1234567.5}, {true}}), "-1.235e+06 +2");
+  type.fields.resize(1);
+  EXPECT_EQ(text({{"arm"}}), "1 field");
+  type.fields = {{.name = "on", .scalar = model::Scalar::boolean}};
+  EXPECT_EQ(text({{false}}), "false");
+  type.fields = {{.name = "n", .scalar = model::Scalar::int64}};
+  EXPECT_EQ(text({{std::int64_t{12345678}}}), "12345678") << "short integers are exact";
+  type.fields = {
+      {.name = "mode", .scalar = model::Scalar::enumeration, .enumerators = {"IDLE", "POSITIONING"}}};
+  EXPECT_EQ(text({{"POSITIONING", 1}}), "POSITION...");
+}
+
 }  // namespace
 }  // namespace takt::tool::web::said_test

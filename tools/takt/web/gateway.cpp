@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <set>
+#include <sstream>
 #include <utility>
 
 #include <takt/core/words.hpp>
@@ -31,6 +32,21 @@ std::string state_event(bool whole, Json devices, Json modules) {
   return event_text(
       "state",
       model::json_text({{"whole", whole}, {"devices", std::move(devices)}, {"modules", std::move(modules)}}));
+}
+
+/// The list of ports in a member of a request. The inner value is empty if the request does not have this
+/// member; the outer one, if the list is not valid.
+std::optional<WatchedPorts::Ports> list_in(const Json& asked, const char* name, std::size_t most) {
+  if (!asked.is_object()) return std::nullopt;
+  if (!asked.contains(name)) return WatchedPorts::Ports{};
+  const Json& list = asked[name];
+  if (!list.is_array() || list.size() > most) return std::nullopt;
+  std::vector<std::string> ports;
+  for (const Json& port : list) {
+    if (!port.is_string()) return std::nullopt;
+    ports.push_back(port.get<std::string>());
+  }
+  return WatchedPorts::Ports{std::move(ports)};
 }
 
 Json values_of(const std::map<std::string, Json>& all) {
@@ -357,22 +373,28 @@ Answer Gateway::watch(const std::string& id, const std::string& body) {
   const auto stream = streams_.find(id);
   if (!stream) return answer_of(404, fail("there is no such event stream", "open /api/events again"));
   const Json asked = model::parse_json(body);
-  std::vector<std::string> ports;
-  bool valid = asked.is_object() && asked.contains("ports") && asked["ports"].is_array() &&
-               asked["ports"].size() <= WatchedPorts::kMost;
-  for (std::size_t i = 0; valid && i < asked["ports"].size(); ++i) {
-    valid = asked["ports"][i].is_string();
-    if (valid) ports.push_back(asked["ports"][i].get<std::string>());
-  }
-  if (!valid) {
-    return answer_of(400, fail("not a valid list of ports: " + in_quotes(body.substr(0, 100)),
-                               R"(send {"ports": ["device.module.port"]}, with at most )" +
-                                   std::to_string(WatchedPorts::kMost)));
+  const auto plotted = list_in(asked, "ports", WatchedPorts::kMost);
+  const auto newest = list_in(asked, "newest", WatchedPorts::kMostNewest);
+  if (!plotted || !newest || (!*plotted && !*newest)) {
+    return answer_of(
+        400, fail("not a valid list of ports: " + in_quotes(body.substr(0, 100)),
+                  R"(send {"ports": ["device.module.port"]}, with at most )" +
+                      std::to_string(WatchedPorts::kMost) + R"(, or {"newest": [...]}, with at most )" +
+                      std::to_string(WatchedPorts::kMostNewest)));
   }
   Json problems = Json::array();
-  for (const Problem& problem : watched_->want(stream, ports))
+  for (const Problem& problem : watched_->want(stream, *plotted, *newest))
     problems.push_back({{"port", problem.where}, {"what", problem.what}, {"fix", problem.fix}});
   return answer_of(Json{{"problems", std::move(problems)}});
+}
+
+Answer Gateway::graph(const std::string& collapsed) const {
+  const auto running = cell();
+  if (!running) return answer_of(409, fail("no cell is running", "deploy a cell"));
+  GraphPage page;
+  std::istringstream names{collapsed};
+  for (std::string name; std::getline(names, name, ',');) page.collapsed.insert(name);
+  return answer_of(Json{{"graph", graph_of(*running, page)}});
 }
 
 Answer Gateway::history(const std::string& module) {

@@ -48,6 +48,8 @@ class Gateway {
   Answer properties(const std::string& module) { return device_requests_->properties(module); }
   Answer watch(const std::string& stream, const std::string& body);
 
+  /// The graph of the cell, in which the devices in a list of names with commas between them are collapsed.
+  [[nodiscard]] Answer graph(const std::string& collapsed) const;
   Answer history(const std::string& module);
   std::string metrics();
   [[nodiscard]] int domain() const noexcept { return client_.domain; }

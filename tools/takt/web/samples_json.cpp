@@ -2,10 +2,13 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include <takt/schedule/plan.hpp>
 #include <takt/wire/words.hpp>
 
 #include "reports/connections_report.hpp"
+#include "reports/page.hpp"
 
 namespace takt::tool::web {
 
@@ -128,6 +131,21 @@ std::string forced_inputs(const wire::ObservedDevice& device, const std::string&
     list += (list.empty() ? "" : ", ") + status.port().to_string() + " by " + status.forced().to_string();
   }
   return list;
+}
+
+std::string short_text(const recording::Columns& columns, const std::vector<recording::Value>& values) {
+  constexpr std::size_t kLongest = 8;
+  const auto there = static_cast<std::size_t>(std::count_if(
+      values.begin(), values.end(), [](const recording::Value& value) { return value.there(); }));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!values[i].there() || !columns.all()[i].drawable) continue;
+    const bool enumeration = !columns.all()[i].enumerators.empty();
+    std::string text = values[i].text();
+    if (text.size() > kLongest)
+      text = enumeration ? text.substr(0, kLongest) + "..." : fmt::format("{:.4g}", values[i].number(false));
+    return there == 1 ? text : text + fmt::format(" +{}", there - 1);
+  }
+  return count(there, "field");
 }
 
 ObservedCell::Port observed(const wire::ObservedPort& port) {

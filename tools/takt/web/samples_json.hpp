@@ -10,6 +10,7 @@
 
 #include <takt/model/cell.hpp>
 #include <takt/model/fault.hpp>
+#include <takt/recording/columns.hpp>
 #include <takt/wire/cell_state.hpp>
 
 #include "reports/graph_report.hpp"
@@ -41,6 +42,10 @@ bool in_safe_stop(const wire::ObservedDevice& device, const std::string& module)
 /// Returns the inputs of a module that are forced, with who forces them: "command by operator anna". Empty if
 /// there is none.
 std::string forced_inputs(const wire::ObservedDevice& device, const std::string& module);
+
+/// A sample in a few letters: its first number, truth value or enumerator, and how many more values it has,
+/// as in "0.5236 +5"; "3 fields" if it has only texts.
+std::string short_text(const recording::Columns& columns, const std::vector<recording::Value>& values);
 
 ObservedCell::Port observed(const wire::ObservedPort& port);
 /// The health of a cell's devices, modules and connections.

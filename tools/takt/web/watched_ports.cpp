@@ -35,10 +35,33 @@ struct WatchedPorts::Source {
   /// Adds a sample of the port. DDS calls this on its own thread.
   void add(const std::byte* bytes, std::size_t size, std::int64_t time_ns) {
     const std::lock_guard lock{mutex};
+    newest.assign(bytes, bytes + size);
+    if (!whole) return;
     columns.values(bytes, size, values);
     for (std::size_t i = 0; i < shown.size(); ++i)
       row[i] = values[shown[i]].number(!columns.all()[shown[i]].enumerators.empty());
     history.add(time_ns, row);
+  }
+
+  [[nodiscard]] bool is_of(const dds::Flow& other) const {
+    return flow.topic == other.topic && flow.type == other.type &&
+           flow.quality.reliable == other.quality.reliable;
+  }
+
+  /// Begins or ends the history of the values.
+  void keep_all(bool all) {
+    const std::lock_guard lock{mutex};
+    if (whole && !all) history = {};
+    if (!whole && all) plotted = os::now();
+    whole = all;
+  }
+
+  /// The newest value in a short form; empty if none has arrived.
+  std::string newest_text() {
+    const std::lock_guard lock{mutex};
+    if (newest.empty()) return "";
+    columns.values(newest.data(), newest.size(), values);
+    return short_text(columns, values);
   }
 
   [[nodiscard]] Json description(const std::string& port) const {
@@ -57,8 +80,8 @@ struct WatchedPorts::Source {
   std::optional<Json> news(const std::string& port, std::int64_t& has, std::size_t most) {
     const std::lock_guard lock{mutex};
     history.complete();
-    const bool whole = has == 0 || has > history.newest();  // the latter if the history has begun anew
-    const auto rows = history.after(whole ? 0 : has, most);
+    const bool from_begin = has == 0 || has > history.newest();  // the latter if the history has begun anew
+    const auto rows = history.after(from_begin ? 0 : has, most);
     if (rows.empty()) return std::nullopt;
     Json times = Json::array();
     std::vector<Json> series(shown.size(), Json::array());
@@ -71,7 +94,7 @@ struct WatchedPorts::Source {
     }
     has = rows.back()->time_ns;
     return Json{
-        {"port", port}, {"whole", whole}, {"times_ms", std::move(times)}, {"values", std::move(series)}};
+        {"port", port}, {"whole", from_begin}, {"times_ms", std::move(times)}, {"values", std::move(series)}};
   }
 
   const dds::Flow flow;
@@ -79,8 +102,12 @@ struct WatchedPorts::Source {
   std::vector<std::size_t> shown;
   Instant asked{};
   Instant used{};
+  Instant plotted{};
+  bool whole = false;  // true if the history is kept; changed only while both WatchedPorts::mutex_ and
+                       // `mutex` are locked, or before the source is known
 
   std::mutex mutex;
+  std::vector<std::byte> newest;  // the last sample
   ValueHistory history;
   std::vector<recording::Value> values;  // of the last sample, kept to allocate no memory
   std::vector<double> row;
@@ -92,17 +119,23 @@ WatchedPorts::WatchedPorts(client::Connection& client, Streams& streams)
     : client_(client), streams_(streams) {}
 WatchedPorts::~WatchedPorts() = default;
 
-Result<std::shared_ptr<WatchedPorts::Source>> WatchedPorts::source(const std::string& port) {
+/// Makes the source of a port, unless it is known. A source whose flow has changed is made anew, and the
+/// streams that plot the port get the new description, and then all values.
+Result<void> WatchedPorts::keep(const std::string& port, dds::Flow flow, bool whole) {
+  const auto is_known = [&](const dds::Flow& now) {
+    const auto found = sources_.find(port);
+    if (found == sources_.end() || !found->second->is_of(now)) return false;
+    found->second->asked = os::now();
+    found->second->keep_all(found->second->whole || whole);
+    return true;
+  };
   {
     const std::lock_guard lock{mutex_};
-    if (const auto found = sources_.find(port); found != sources_.end()) return found->second;
+    if (is_known(flow)) return {};
   }
-  auto flow = client::tapped(*client_.sender, port);
-  if (!flow) return flow.problems();
-  auto made = std::make_shared<Source>(std::move(*flow));
-  if (made->shown.empty())
-    return fail(port + " has no numeric field", "use takt echo " + port + " to print its samples");
+  auto made = std::make_shared<Source>(std::move(flow));
   made->asked = made->used = os::now();
+  made->keep_all(whole);
   auto tap =
       dds::Tap::create(client_.participant, made->flow,
                        [source = made.get()](const std::byte* bytes, std::size_t size, std::int64_t time_ns) {
@@ -110,107 +143,162 @@ Result<std::shared_ptr<WatchedPorts::Source>> WatchedPorts::source(const std::st
                        });
   if (!tap) return tap.problems();
   made->tap = std::move(*tap);
+  const std::string text = event_text("port", model::json_text(made->description(port)));
   const std::lock_guard lock{mutex_};
-  return sources_.try_emplace(port, std::move(made))
-      .first->second;  // another thread may have added the port meanwhile
+  if (is_known(made->flow)) return {};  // another thread has made it meanwhile
+  made.swap(sources_[port]);            // the former source is destroyed after the lock is released
+  for (auto& [id, view] : views_) {
+    const auto shown = view.plotted.find(port);
+    const auto stream = streams_.find(id);
+    if (shown == view.plotted.end() || !stream) continue;
+    shown->second = 0;
+    stream->send(text);
+  }
+  return {};
 }
 
-Problems WatchedPorts::want(const std::shared_ptr<Stream>& stream, const std::vector<std::string>& ports) {
-  Problems problems;
-  std::map<std::string, std::int64_t> view;
-  for (const std::string& port : ports) {
-    if (auto found = source(port); found) {
-      view[port] = 0;
-      stream->send(event_text("port", model::json_text((*found)->description(port))));
-    } else {
-      for (Problem problem : found.problems()) {
-        problem.where = port;
-        problems.push_back(std::move(problem));
-      }
+/// Asks the devices to publish these ports; true: every sample. Returns the problems of each port that
+/// failed.
+std::map<std::string, Problems> WatchedPorts::ask(const std::map<std::string, bool>& ports) {
+  std::map<std::string, Problems> failed;
+  std::vector<client::CommandRequest> requests;
+  std::vector<std::string> asked;
+  for (const auto& [port, whole] : ports) {
+    auto request = client::tap_request(port, whole ? Nanoseconds{0} : kNewestEvery);
+    if (!request) {
+      failed[port] = request.problems();
+      continue;
+    }
+    requests.push_back(std::move(*request));
+    asked.push_back(port);
+  }
+  auto answers = client_.sender->send(requests);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const std::string& port = asked[i];
+    const auto answer = client::accepted(std::move(answers[i]));
+    auto flow = answer ? client::flow_in(answer->data, port) : answer.problems();
+    const auto kept = flow ? keep(port, std::move(*flow), ports.at(port)) : flow.problems();
+    if (!kept) failed[port] = kept.problems();
+  }
+  return failed;
+}
+
+Problems WatchedPorts::want(const std::shared_ptr<Stream>& stream, const Ports& plotted,
+                            const Ports& newest) {
+  std::map<std::string, bool> missing;
+  {
+    const std::lock_guard lock{mutex_};
+    for (const std::string& port : newest.value_or(std::vector<std::string>{})) {
+      if (!sources_.contains(port)) missing[port] = false;
+    }
+    for (const std::string& port : plotted.value_or(std::vector<std::string>{})) {
+      const auto found = sources_.find(port);
+      if (found == sources_.end() || !found->second->whole) missing[port] = true;
     }
   }
+  auto failed = ask(missing);
+  Problems problems;
   const std::lock_guard lock{mutex_};
-  views_[stream->id()] = std::move(view);
+  View& view = views_[stream->id()];
+  const auto source_of = [&](const std::string& port, bool to_plot) -> const Source* {
+    const auto found = sources_.find(port);
+    if (found != sources_.end() && to_plot && found->second->shown.empty() && !failed.contains(port))
+      failed[port] = {
+          fail(port + " has no numeric field", "use takt echo " + port + " to print its samples")};
+    if (found != sources_.end() && !failed.contains(port)) return found->second.get();
+    for (Problem problem : failed[port]) {
+      problem.where = port;
+      problems.push_back(std::move(problem));
+    }
+    return nullptr;
+  };
+  if (plotted) {
+    view.plotted.clear();
+    for (const std::string& port : *plotted) {
+      const Source* const source = source_of(port, true);
+      if (source == nullptr) continue;
+      view.plotted[port] = 0;
+      stream->send(event_text("port", model::json_text(source->description(port))));
+    }
+  }
+  if (newest) {
+    std::map<std::string, std::string> shown;
+    for (const std::string& port : *newest) {
+      if (source_of(port, false) != nullptr) shown[port] = view.newest[port];
+    }
+    view.newest = std::move(shown);
+  }
   return problems;
 }
 
 void WatchedPorts::send() {
   const std::lock_guard lock{mutex_};
-  for (auto view = views_.begin(); view != views_.end();) {
-    const auto stream = streams_.find(view->first);
+  const Instant now = os::now();
+  const bool send_newest_now = now - newest_sent_ >= kNewestEvery;
+  if (send_newest_now) newest_sent_ = now;
+  for (auto one = views_.begin(); one != views_.end();) {
+    const auto stream = streams_.find(one->first);
     if (!stream || stream->ended()) {
-      view = views_.erase(view);
+      one = views_.erase(one);
       continue;
     }
+    View& view = one->second;
     const std::size_t most =
-        std::min(kMostOfPort, kMostAtOnce / std::max<std::size_t>(view->second.size(), 1));
-    for (auto& [port, has] : view->second) {
+        std::min(kMostOfPort, kMostAtOnce / std::max<std::size_t>(view.plotted.size(), 1));
+    for (auto& [port, has] : view.plotted) {
       const auto source = sources_.find(port);
       if (source == sources_.end()) continue;
-      source->second->used = os::now();
+      source->second->used = source->second->plotted = now;
       if (const auto news = source->second->news(port, has, most))
         stream->send(event_text("points", model::json_text(*news)));
     }
-    ++view;
+    if (send_newest_now) send_newest(*stream, view);
+    ++one;
   }
+}
+
+void WatchedPorts::send_newest(Stream& stream, View& view) {
+  Json values = Json::object();
+  for (auto& [port, has] : view.newest) {
+    const auto source = sources_.find(port);
+    if (source == sources_.end()) continue;
+    source->second->used = newest_sent_;
+    std::string text = source->second->newest_text();
+    if (text == has) continue;
+    values[port] = text;
+    has = std::move(text);
+  }
+  if (!values.empty()) stream.send(event_text("newest", model::json_text({{"values", std::move(values)}})));
 }
 
 void WatchedPorts::maintain() {
-  std::vector<std::string> again;
+  std::map<std::string, bool> again;
   std::vector<std::shared_ptr<Source>>
       gone;  // destroyed after the lock is released, because ~Source waits for a DDS thread
+  const auto lives = [this](const std::string& port) {
+    const auto devices = client_.observer->devices(port.substr(0, port.find('.')));
+    return std::any_of(devices.begin(), devices.end(), [](const wire::ObservedDevice& d) { return d.alive; });
+  };
   {
     const std::lock_guard lock{mutex_};
     const Instant now = os::now();
-    for (auto source = sources_.begin(); source != sources_.end();) {
-      if (now - source->second->used > kUnused) {
-        gone.push_back(std::move(source->second));
-        source = sources_.erase(source);
+    for (auto one = sources_.begin(); one != sources_.end();) {
+      Source& source = *one->second;
+      if (now - source.used > kUnused) {
+        gone.push_back(std::move(one->second));
+        one = sources_.erase(one);
         continue;
       }
-      if (now - source->second->asked > client::kAskAgain) {
-        source->second->asked = now;
-        again.push_back(source->first);
+      if (source.whole && now - source.plotted > kUnused) source.keep_all(false);
+      if (now - source.asked > client::kAskAgain) {
+        source.asked = now;
+        again[one->first] = source.whole;
       }
-      ++source;
+      ++one;
     }
   }
-  std::vector<std::string> changed;
-  for (const std::string& port : again) {
-    const auto devices = client_.observer->devices(port.substr(0, port.find('.')));
-    if (std::none_of(devices.begin(), devices.end(), [](const wire::ObservedDevice& d) { return d.alive; }))
-      continue;
-    const auto flow = client::tapped(*client_.sender, port);
-    if (!flow) continue;  // the device is lost or still starting; the page shows its state
-    const std::lock_guard lock{mutex_};
-    const auto source = sources_.find(port);
-    if (source == sources_.end()) continue;
-    const dds::Flow& before = source->second->flow;
-    if (before.topic == flow->topic && before.type == flow->type &&
-        before.quality.reliable == flow->quality.reliable) {
-      continue;
-    }
-    gone.push_back(std::move(source->second));  // a new deployment has changed the port
-    sources_.erase(source);
-    changed.push_back(port);
-  }
-  for (const std::string& port : changed) resend(port);
-}
-
-// Sends the new description of a port to all streams that show the port. send() then sends all of the port's
-// values.
-void WatchedPorts::resend(const std::string& port) {
-  const auto now = source(port);
-  if (!now) return;
-  const std::string text = event_text("port", model::json_text((*now)->description(port)));
-  const std::lock_guard lock{mutex_};
-  for (auto& [id, view] : views_) {
-    const auto shown = view.find(port);
-    const auto stream = streams_.find(id);
-    if (shown == view.end() || !stream) continue;
-    shown->second = 0;
-    stream->send(text);
-  }
+  std::erase_if(again, [&lives](const auto& port) { return !lives(port.first); });
+  if (!again.empty()) ask(again);  // a device that fails is lost or still starting; the page shows its state
 }
 
 }  // namespace takt::tool::web

@@ -1,4 +1,5 @@
-// Collects the values of the last hours of each port that a web page plots.
+// Collects the values of the last hours of each port that a web page plots, and the newest value of each port
+// that a web page shows.
 #pragma once
 
 #include <chrono>
@@ -6,11 +7,13 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <takt/client/connection.hpp>
 #include <takt/core/time.hpp>
+#include <takt/dds/gateway.hpp>
 #include <takt/recording/columns.hpp>
 
 #include "web/stream.hpp"
@@ -18,20 +21,27 @@
 namespace takt::tool::web {
 
 /// Collects the values of a port while a page shows it, and for kUnused longer, in case the page shows it
-/// again. Any thread may call the functions.
+/// again. Asks the devices for every sample of a port only while a page plots the port. Any thread may call
+/// the functions.
 class WatchedPorts {
  public:
-  static constexpr std::size_t kMost = 32;        ///< limit of the ports of one stream
+  static constexpr std::size_t kMost = 32;         ///< limit of the plotted ports of one stream
+  static constexpr std::size_t kMostNewest = 500;  ///< limit of the ports whose newest value one stream gets
+  /// Time between two newest values of a port. People cannot read values that change faster.
+  static constexpr std::chrono::milliseconds kNewestEvery{500};
   static constexpr std::size_t kMostFields = 32;  ///< limit of the plotted fields of one port
   static constexpr std::chrono::seconds kUnused{60};
 
   WatchedPorts(client::Connection& client, Streams& streams);
   ~WatchedPorts();
 
-  /// Replaces the list of ports whose values a stream gets. Asks the ports' devices, which may take a few
-  /// seconds. Each problem names in `where` a port whose values the stream will not get.
-  Problems want(const std::shared_ptr<Stream>& stream, const std::vector<std::string>& ports);
-  /// Sends to each stream the values of its ports that arrived since the last call.
+  using Ports = std::optional<std::vector<std::string>>;
+  /// Replaces the lists of ports of which a stream gets all values and only the newest value. A list that is
+  /// not given stays. Asks the ports' devices, which may take a few seconds. Each problem names in `where` a
+  /// port whose values the stream will not get.
+  Problems want(const std::shared_ptr<Stream>& stream, const Ports& plotted, const Ports& newest);
+  /// Sends to each stream the values of its ports that arrived since the last call, and each newest value
+  /// that differs from the one that the stream has.
   void send();
   /// Asks the devices to continue publishing the ports, and drops ports that no page shows. May take a few
   /// seconds.
@@ -40,15 +50,21 @@ class WatchedPorts {
  private:
   struct Source;
   using Sources = std::map<std::string, std::shared_ptr<Source>>;
-  Result<std::shared_ptr<Source>> source(const std::string& port);
-  void resend(const std::string& port);
+  struct View {
+    std::map<std::string, std::int64_t>
+        plotted;  // by port: the time of the last value that the stream has, in ns
+    std::map<std::string, std::string> newest;  // by port: the newest value that the stream has
+  };
+  std::map<std::string, Problems> ask(const std::map<std::string, bool>& ports);
+  Result<void> keep(const std::string& port, dds::Flow flow, bool whole);
+  void send_newest(Stream& stream, View& view);
 
   client::Connection& client_;
   Streams& streams_;
   std::mutex mutex_;
   Sources sources_;
-  /// For each stream id and port: the time of the last value of the port that the stream has received, in ns.
-  std::map<std::string, std::map<std::string, std::int64_t>> views_;
+  std::map<std::string, View> views_;  // by the id of the stream
+  Instant newest_sent_{};
 };
 
 }  // namespace takt::tool::web

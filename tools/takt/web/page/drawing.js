@@ -6,7 +6,7 @@ import { drawn } from "./dom.js";
 const kElements = new Set(["svg", "g", "title", "rect", "line", "path", "circle", "text", "tspan"]);
 const kAttributes = new Set([
   "viewBox", "x", "y", "x1", "y1", "x2", "y2", "width", "height", "rx", "cx", "cy", "r", "d", "class", "font-size", "text-anchor",
-  "data-module", "data-device", "data-connection",
+  "data-module", "data-device", "data-connection", "data-fold",
 ]);
 
 /// Returns the drawing as an element, or null if the text is not an SVG drawing.

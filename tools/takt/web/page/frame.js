@@ -22,14 +22,16 @@ export class Frame {
   #pointers = new Map();
   #way = 0;
 
-  constructor() {
+  /// `viewed` is called when another part of the drawing is visible. `buttons` stand beside those that zoom.
+  constructor(viewed, ...buttons) {
+    this.viewed = viewed;
     const button = (text, label, act) =>
       element("button", { type: "button", text, "aria-label": label, title: label, on: { click: act } });
     this.surface = element("div", {
       class: "surface", tabindex: "0", role: "group",
       "aria-label": "graph of the cell; the arrow keys move it, plus and minus zoom, 0 shows all of it",
     });
-    this.element = element("div", { class: "frame" }, this.surface, element("div", { class: "zoom" },
+    this.element = element("div", { class: "frame" }, this.surface, element("div", { class: "zoom" }, ...buttons,
       button("+", "zoom in", () => this.zoom(kStep)), button("\u2212", "zoom out", () => this.zoom(1 / kStep)),
       button("fit", "show the whole drawing", () => this.fit())));
     this.surface.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
@@ -54,6 +56,16 @@ export class Frame {
     this.#whole = false;
     this.#kept = null;
     this.#adapt();
+  }
+
+  get scale() {
+    return this.#scale;
+  }
+
+  /// True if this point of the drawing is visible.
+  shows(x, y) {
+    const [across, down] = [x * this.#scale + this.#x, y * this.#scale + this.#y];
+    return across >= 0 && down >= 0 && across <= this.surface.clientWidth && down <= this.surface.clientHeight;
   }
 
   /// Keeps `node`, a part of the drawing, visible when the size of the surface changes. `node` may be null.
@@ -117,6 +129,7 @@ export class Frame {
     this.#drawing.setAttribute("height", height);
     this.#drawing.setAttribute("viewBox", `0 0 ${this.#width} ${this.#height}`);
     this.#drawing.style.transform = `translate(${this.#x}px, ${this.#y}px)`;
+    this.viewed();
   }
 
   #wheel(event) {
@@ -132,7 +145,7 @@ export class Frame {
       ArrowLeft: () => this.#shift(kAside, 0), ArrowRight: () => this.#shift(-kAside, 0),
       ArrowUp: () => this.#shift(0, kAside), ArrowDown: () => this.#shift(0, -kAside),
     }[event.key];
-    if (!act) return;
+    if (!act || (event.target !== this.surface && event.key.startsWith("Arrow"))) return;
     event.preventDefault();
     act();
   }

@@ -162,6 +162,7 @@ function listen() {
   if (globalThis.SharedWorker) begin(new SharedStream(take, follow, alone));
   else alone();
   store.ports.choose = (ports) => stream.choose(ports);
+  store.chooseNewest = (ports) => stream.chooseNewest(ports);
   document.addEventListener("visibilitychange", () => stream.rest(document.hidden));
 }
 

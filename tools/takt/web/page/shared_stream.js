@@ -33,11 +33,17 @@ export class SharedStream extends Stream {
     });
   }
 
+  chooseNewest(newest) {
+    this.newest = newest;
+    this.#tell({ newest });
+  }
+
   reconnect() {
     this.#port.close();
     this.#answer([]);
     this.#connect();
     this.rest(this.#hidden);
+    this.#tell({ newest: this.newest });
     if (this.ports.length > 0) this.#tell({ ports: this.ports });
   }
 

@@ -7,8 +7,8 @@ import { Stream } from "./stream.js";
 const kAlive_ms = 1000;
 
 const store = new Store();
-// Each tab by its MessagePort: {hidden, ports}, where `ports` are the ports whose values the tab shows. A tab that crashes does not say that
-// it leaves. It remains until the last tab is closed.
+// Each tab by its MessagePort: {hidden, ports, newest}, where `ports` are the ports that the tab plots, and `newest` those whose newest value
+// it shows. A tab that crashes does not say that it leaves. It remains until the last tab is closed.
 const tabs = new Map();
 
 /// Sends an event to the visible tabs. Values of ports go to the tabs that show them, even if they are hidden, so that plots have no gaps.
@@ -34,13 +34,23 @@ function choose() {
   return stream.choose([...new Set([...tabs.values()].flatMap((tab) => tab.ports))]);
 }
 
+/// Chooses the newest values of the ports that visible tabs show.
+function chooseNewest() {
+  const ports = [...new Set([...tabs.values()].flatMap((tab) => (tab.hidden ? [] : tab.newest)))].sort();
+  for (const port of store.newest.keys()) if (!ports.includes(port)) store.newest.delete(port);
+  if (ports.join() !== stream.newest.join()) stream.chooseNewest(ports);
+}
+
 onconnect = ({ ports: [tab] }) => {
-  const about = { hidden: true, ports: [] };
-  tab.onmessage = async ({ data: { hidden, ports, request, left } }) => {
+  const about = { hidden: true, ports: [], newest: [] };
+  tab.onmessage = async ({ data: { hidden, ports, newest, request, left } }) => {
     if (left) tabs.delete(tab);
     else tabs.set(tab, about);
     if (about.hidden && hidden === false) for (const event of store.events) tab.postMessage(event);
     about.hidden = hidden ?? about.hidden;
+    about.newest = newest ?? about.newest;
+    if (newest) tab.postMessage(["newest", { values: Object.fromEntries(store.newest) }]);
+    chooseNewest();
     if (!ports) return;
     about.ports = ports;
     const problems = await choose();

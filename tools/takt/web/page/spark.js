@@ -13,6 +13,9 @@ export function pathOf(points, length, width, height, zero) {
     `${(time / length * width).toFixed(1)} ${(height - 2 - (value - low) / range * (height - 4)).toFixed(1)}`)).join("");
 }
 
+/// The pairs that pathOf() takes, for one value at each of the last units of time; null is an unknown value.
+export const trendOf = (values, length) => values.map((value, i) => [length - values.length + i, value ?? NaN]);
+
 export class Spark {
   #points = [];
 
@@ -29,7 +32,7 @@ export class Spark {
 
   /// Shows one value for each of the last units of time; null for an unknown value.
   show(values) {
-    this.showPoints(values.map((value, i) => [this.length - values.length + i, value ?? NaN]));
+    this.showPoints(trendOf(values, this.length));
   }
 
   /// Shows pairs of a time, from 0 to `length`, and a value. NaN interrupts the line.

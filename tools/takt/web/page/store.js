@@ -12,6 +12,7 @@ class Changes {
   link = false;
   rights = false;
   measures = false;
+  newest = false;
   whole = false;         // a device or module was added or removed
   devices = new Set();
   begun = new Set();     // devices that have just started to run; the views ask these devices again
@@ -25,12 +26,15 @@ export class Store {
   link = "connecting";
   linkSince = Date.now();
   ports = new Ports();
+  chooseNewest = () => {};
   rights = { command: false, why: "takt web has not answered yet" };
   cell = null;
   /// Devices by name, each as the gateway sends it.
   devices = new Map();
   /// Modules by "device.module", each as {name, device, label, about (from the descriptor), state, measures, steps, trend}.
   modules = new Map();
+  /// The newest values of the ports that stream.chooseNewest() has chosen, by the name of the port, each as a short text.
+  newest = new Map();
   executors = new Map();
   connections = new Map();
   /// Fault events in order of arrival, oldest first.
@@ -75,6 +79,7 @@ export class Store {
     else if (name === "measures") this.takeMeasures(data);
     else if (name === "trends") this.takeTrends(data);
     else if (name === "faults") this.takeFaults(data);
+    else if (name === "newest") this.takeNewest(data.values);
     else this.ports.take(name, data);
   }
 
@@ -194,6 +199,11 @@ export class Store {
   takeTrends(trends) {
     for (const [name, module] of this.modules) module.trend = (trends.jitter_us?.[name] ?? module.trend).slice(-kTrend);
     this.change((changes) => { changes.measures = true; });
+  }
+
+  takeNewest(values) {
+    for (const [port, text] of Object.entries(values)) this.newest.set(port, text);
+    this.change((changes) => { changes.newest = true; });
   }
 
   takeFaults(news) {

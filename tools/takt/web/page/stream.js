@@ -6,15 +6,17 @@ const kCheck_ms = 500;
 const kQuiet_ms = 4000;  // normally the event `measures` arrives every second
 const kSilent_ms = 15000;
 const kAgain_ms = 1000;
-const kEvents = ["cell", "state", "measures", "trends", "faults", "port", "points"];
+const kEvents = ["cell", "state", "measures", "trends", "faults", "port", "points", "newest"];
 
 export class Stream {
-  ports = [];  // the ports whose values this page shows
+  ports = [];   // the ports whose values this page plots
+  newest = [];  // the ports whose newest value this page shows
   #source = null;
   #id = null;  // the gateway's id for the stream
   #timer;
   #sent = Promise.resolve();
   #next = null;
+  #choosing = false;
   #lastEvent = 0;
   #link = "";
 
@@ -41,6 +43,18 @@ export class Stream {
     return this.#next;
   }
 
+  /// Chooses the ports of which the gateway sends the newest value. Ports without values are left out.
+  async chooseNewest(newest) {
+    this.newest = newest;
+    if (this.#choosing || !this.#id) return;
+    this.#choosing = true;
+    for (let sent; sent !== this.newest;) {
+      sent = this.newest;
+      await put(`api/streams/${this.#id}/ports`, { newest: sent }).catch(() => {});
+    }
+    this.#choosing = false;
+  }
+
   open() {
     this.receive();
     this.#source = new EventSource("api/events");
@@ -52,7 +66,9 @@ export class Stream {
         this.receive();
         this.report("live");
         this.take(name, JSON.parse(event.data));
-        if (name === "cell" && this.ports.length > 0) this.choose(this.ports);  // the stream or the cell is new
+        if (name !== "cell") return;  // otherwise the stream or the cell is new
+        if (this.ports.length > 0) this.choose(this.ports);
+        if (this.newest.length > 0) this.chooseNewest([...this.newest]);
       });
     }
   }
