@@ -24,8 +24,10 @@ Agent::Agent(Options options, Factories factories, Publisher& publisher)
         record.append(fault);
         if (kept && record.file().empty())
           log("warning: the fault record is only in memory now: " + in_words(record.problems()));
+        alarms_.take(fault);
         publisher_.publish(wire::to_wire(fault));
       }) {
+  for (const model::Fault& fault : options_.record->events()) alarms_.take(fault);
   if (!options_.store) return;
   if (const auto kept = options_.store->undeployed())
     undeployed_ = *kept;
@@ -194,7 +196,8 @@ DeviceStatus Agent::status() const {
 }
 
 void Agent::publish_status() {
-  const DeviceStatus now = status();
+  DeviceStatus now = status();
+  update_alarms(now);
   const auto same = [this, &now](auto&&... part) { return ((part(published_) == part(now)) && ...); };
   if (published_once_ &&
       same([](const auto& s) { return s.path(); }, [](const auto& s) { return s.state(); },
@@ -204,7 +207,7 @@ void Agent::publish_status() {
            [](const auto& s) { return s.transaction(); }, [](const auto& s) { return s.stage(); },
            [](const auto& s) { return s.real_time(); }, [](const auto& s) { return s.host_process_id(); },
            [](const auto& s) { return s.host_restarts(); }, [](const auto& s) { return s.modules(); },
-           [](const auto& s) { return s.executing(); })) {
+           [](const auto& s) { return s.executing(); }, [](const auto& s) { return s.alarm_changes(); })) {
     return;
   }
   published_ = now;

@@ -131,6 +131,10 @@ void Agent::receive(const wire::WholeCommand& command) {
       return force(command);
     case COMMAND_END_FORCE:
       return end_force(command);
+    case COMMAND_ALARMS:
+      return send_alarms(head);
+    case COMMAND_ACKNOWLEDGE:
+      return acknowledge(command);
   }
   answer(head, REPLY_REFUSED,
          "this node does not know command number " + std::to_string(static_cast<std::uint32_t>(head.kind())));

@@ -44,6 +44,7 @@ bool may_flood(FaultKind kind) {
     case FaultKind::log_debug:
     case FaultKind::forced:
     case FaultKind::force_ended:
+    case FaultKind::acknowledged:
       return false;
   }
   return true;

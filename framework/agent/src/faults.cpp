@@ -1,5 +1,5 @@
-// Events that the agent adds to the fault record (start, end, commands, lost devices), and the answer to
-// COMMAND_LOG.
+// Events that the agent adds to the fault record (start, end, commands, lost devices), the alarms to which
+// they lead, and the answers to COMMAND_LOG, COMMAND_ALARMS and COMMAND_ACKNOWLEDGE.
 #include <algorithm>
 #include <cstdlib>
 #include <utility>
@@ -121,7 +121,9 @@ void Agent::check_devices() {
     const auto seen = others_.of_device(device.name);
     const bool alive = std::any_of(seen.begin(), seen.end(), [](const auto& s) { return s.alive; });
     const auto [at, added] = devices_seen_.try_emplace(device.name, alive);
-    if (std::exchange(at->second, alive) == alive || added) continue;
+    const bool returned =
+        added && alive && alarms_.is_lost(device.name);  // it was lost before this node started
+    if ((std::exchange(at->second, alive) == alive || added) && !returned) continue;
     const std::string rejection = options_.rejection_of(device.name);
     std::string cause = "device " + device.name +
                         (alive                ? " is back"
@@ -159,6 +161,46 @@ void Agent::send_log(const wire::WholeCommand& command) {
                            {"damaged", record.damaged()},
                            {"lost", lost},
                            {"events", events}}));
+}
+
+void Agent::send_alarms(const Command& command) {
+  answer(command, REPLY_OK, "", model::json_text(model::to_json(alarms_.all())));
+}
+
+void Agent::acknowledge(const wire::WholeCommand& command) {
+  const auto asked = model::acknowledge_from(command.data);
+  if (!asked) return answer(command.head, REPLY_REFUSED, in_words(asked.problems()));
+  const std::string module = command.head.module_name().to_string();
+  const auto alarms = alarms_.unacknowledged(module, asked->alarm);
+  if (alarms.empty()) {
+    return answer(command.head, REPLY_REFUSED,
+                  (module.empty() ? "device " + options_.device + " and its modules have"
+                                  : "module " + options_.device + "." + module + " has") +
+                      " no unacknowledged alarm" +
+                      (asked->alarm == 0 ? "" : " " + std::to_string(asked->alarm)) +
+                      "; takt alarms lists all alarms");
+  }
+  const std::string& by = command.who.empty() ? asked->by : command.who;
+  for (const model::Alarm& alarm : alarms) {
+    note({.module = alarm.module,
+          .kind = FaultKind::acknowledged,
+          .cause = model::acknowledgement_text(alarm, by, asked->note)});
+  }
+  answer(command.head, REPLY_OK, "", model::json_text(model::to_json(alarms)));
+}
+
+void Agent::update_alarms(DeviceStatus& status) {
+  alarms_.update([this, &status](const std::string& module) {
+    if (module.empty()) return status.health() == HEALTH_FAILED;
+    if (!deployment_) return false;
+    const auto& modules = deployment_->modules;
+    const auto found = std::ranges::find_if(
+        modules, [&module](const LifecycleStatus& each) { return each.name() == module; });
+    return found != modules.end() && (found->state() == STATE_RECOVER || is_given_up(*found));
+  });
+  if (alarms_.changes() != published_.alarm_changes()) options_.record->keep(alarms_.needed());
+  status.unacknowledged_alarms(static_cast<std::uint32_t>(alarms_.unacknowledged().size()));
+  status.alarm_changes(alarms_.changes());
 }
 
 }  // namespace takt::agent

@@ -55,6 +55,7 @@ constexpr std::array<KindWord, kFaultKinds> kKinds{{
     {"log-debug", Severity::note},
     {"forced", Severity::warning},
     {"force-ended", Severity::note},
+    {"acknowledged", Severity::note},
 }};
 
 const KindWord* kind_of(FaultKind kind) noexcept {

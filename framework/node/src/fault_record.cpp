@@ -281,6 +281,7 @@ bool FaultRecord::reopen() {
   if (goes_on) other.next_ = next_;
   if (!other.file_) return false;
   other.worker_ = std::move(worker_);
+  other.kept_ = std::move(kept_);
   *this = std::move(other);
   return true;
 }
@@ -315,8 +316,12 @@ std::size_t FaultRecord::replaced_by(const model::Fault& fault) const {
   const bool is_line = model::is_log_line(fault.kind);
   const auto same = [is_line](const model::Fault& each) { return model::is_log_line(each.kind) == is_line; };
   const auto number = static_cast<std::size_t>(std::count_if(events.begin(), events.end(), same));
-  const auto oldest = 2 * number >= events.size() ? std::find_if(events.begin(), events.end(), same)
-                                                  : std::find_if_not(events.begin(), events.end(), same);
+  const bool own = 2 * number >= events.size();
+  const auto replaceable = [&](const model::Fault& each) { return same(each) == own; };
+  auto oldest = std::find_if(events.begin(), events.end(), [&](const model::Fault& each) {
+    return replaceable(each) && std::find(kept_.begin(), kept_.end(), each.sequence) == kept_.end();
+  });
+  if (oldest == events.end()) oldest = std::find_if(events.begin(), events.end(), replaceable);
   return static_cast<std::size_t>(oldest - events.begin());
 }
 

@@ -56,6 +56,7 @@ std::string declared(const model::Device& device) {
 class FaultMemory final : public agent::FaultMemory {
  public:
   void append(model::Fault& fault) override { fault.sequence = ++number_; }
+  void keep(std::vector<std::uint64_t>) override {}
   bool reopen() override { return false; }
   void sync() const override {}
   [[nodiscard]] const std::vector<model::Fault>& events() const noexcept override { return none_; }

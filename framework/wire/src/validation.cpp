@@ -104,14 +104,14 @@ bool validate(FaultEvent& event) noexcept {
   clean(event.attachment());
   return are_given(event.path(), event.cell(), event.device()) &&
          are_names(event.path(), event.cell(), event.device(), event.name()) &&
-         exists(event.kind(), FAULT_FORCE_ENDED) && exists(event.severity(), SEVERITY_ERROR) &&
+         exists(event.kind(), FAULT_ACKNOWLEDGED) && exists(event.severity(), SEVERITY_ERROR) &&
          exists(event.error(), ERROR_OVERRUN);
 }
 
 bool validate(Command& command) noexcept {
   clean(command.value());
   return is_part(command) && are_given(command.id(), command.device()) &&
-         exists(command.kind(), COMMAND_END_FORCE) &&
+         exists(command.kind(), COMMAND_ACKNOWLEDGE) &&
          are_names(command.id(), command.device(), command.node(), command.module_name(),
                    command.deployment(), command.property());
 }

@@ -168,6 +168,10 @@ const char* to_text(CommandKind kind) noexcept {
       return "force";
     case COMMAND_END_FORCE:
       return "end the force";
+    case COMMAND_ALARMS:
+      return "alarms";
+    case COMMAND_ACKNOWLEDGE:
+      return "acknowledge";
   }
   return "?";
 }

@@ -105,7 +105,7 @@ TEST_F(AgentRecordingFaults, ConvertsEveryFaultKindToDdsAndBack) {
         .cell = "-", .device = "robot", .kind = static_cast<FaultKind>(i), .error = "stale"};
     EXPECT_EQ(wire::from_wire(wire::to_wire(fault)), fault);
   }
-  EXPECT_EQ(static_cast<std::size_t>(FAULT_FORCE_ENDED) + 1, model::kFaultKinds);
+  EXPECT_EQ(static_cast<std::size_t>(FAULT_ACKNOWLEDGED) + 1, model::kFaultKinds);
   EXPECT_EQ(wire::to_wire({.kind = FaultKind::refused_packet}).kind(), FAULT_REFUSED_PACKET);
   EXPECT_EQ(wire::to_wire({.kind = FaultKind::host_restart}).kind(), FAULT_HOST_RESTART);
 }

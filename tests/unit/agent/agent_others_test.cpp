@@ -69,7 +69,7 @@ TEST(AgentWithOtherNodes, RejectsCommandsToItsNameWhileAnotherNodeUsesIt) {
   for (const CommandKind kind :
        {COMMAND_INITIALIZE, COMMAND_START, COMMAND_STOP, COMMAND_RECOVER, COMMAND_RESET, COMMAND_DESTRUCT,
         COMMAND_SET, COMMAND_SWAP, COMMAND_PREPARE, COMMAND_UNDEPLOY, COMMAND_GET, COMMAND_DESCRIBE,
-        COMMAND_DESCRIPTOR, COMMAND_TAP, COMMAND_TRACE, COMMAND_LOG}) {
+        COMMAND_DESCRIPTOR, COMMAND_TAP, COMMAND_TRACE, COMMAND_LOG, COMMAND_ALARMS, COMMAND_ACKNOWLEDGE}) {
     device.receive(device.command(kind));
     EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << to_text(kind);
     EXPECT_THAT(device.text(), HasSubstr("2 nodes on domain 7 have this name: ")) << to_text(kind);

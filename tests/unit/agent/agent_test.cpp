@@ -64,8 +64,8 @@ TEST(Agent, RejectsACommandAfterItsDeadline) {
 TEST(Agent, AnswersAReadOnlyCommandEvenAfterItsDeadline) {
   FakeDevice device;
   device.become_running();
-  for (const CommandKind kind :
-       {COMMAND_REPORT, COMMAND_DESCRIBE, COMMAND_GET, COMMAND_TAP, COMMAND_LOG, COMMAND_TRACE}) {
+  for (const CommandKind kind : {COMMAND_REPORT, COMMAND_DESCRIBE, COMMAND_GET, COMMAND_TAP, COMMAND_LOG,
+                                 COMMAND_TRACE, COMMAND_ALARMS}) {
     wire::WholeCommand late = device.command(kind);
     late.head.module_name("servo");
     late.head.value("1");

@@ -267,6 +267,26 @@ TEST_F(RecordOfFaults, KeepsOtherEventsWhenAModuleLogsManyLines) {
   EXPECT_EQ(read_record_file(path_)->events, record.events());
 }
 
+TEST(FaultRecord, KeepsTheEventsOfUnacknowledgedAlarmsWhenItIsFull) {
+  FaultRecord record{4};
+  const auto add = [&record](int events) {
+    for (int i = 0; i < events; ++i) {
+      model::Fault fault{.kind = model::FaultKind::overrun};
+      record.append(fault);
+    }
+  };
+  add(2);
+  record.keep({2});
+  add(20);
+  EXPECT_THAT(numbers(record.events()), ElementsAre(2, 20, 21, 22));
+  record.keep({2, 20, 21, 22});
+  add(1);
+  EXPECT_THAT(numbers(record.events()), ElementsAre(20, 21, 22, 23)) << "it takes new events in any case";
+  record.keep({});
+  add(1);
+  EXPECT_THAT(numbers(record.events()), ElementsAre(21, 22, 23, 24));
+}
+
 TEST_F(RecordOfFaults, UsesAllItsSlotsForLinesUntilOtherEventsNeedThem) {
   FaultRecord record = open();
   for (int i = 0; i < 5; ++i) {

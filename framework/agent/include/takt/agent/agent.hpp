@@ -20,6 +20,7 @@
 #include <takt/agent/inspection.hpp>
 #include <takt/agent/memory.hpp>
 #include <takt/agent/publisher.hpp>
+#include <takt/model/alarm.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/difference.hpp>
 #include <takt/model/fault.hpp>
@@ -146,6 +147,10 @@ class Agent {
   void send_log(const wire::WholeCommand& command);
   void note_answer(const Command& command, ReplyCode code, const std::string& text);
   void check_devices();
+  void send_alarms(const Command& command);
+  void acknowledge(const wire::WholeCommand& command);
+  /// Updates which alarms are active, and adds their numbers to the status.
+  void update_alarms(DeviceStatus& status);
 
   // Deployments (deployments.cpp)
   void undeploy(const Command& command);
@@ -274,6 +279,7 @@ class Agent {
   bool ending_ = false;
   bool at_once_ = false;
   std::optional<Instant> ended_at_;
+  model::Alarms alarms_;
   FaultRateLimiter filter_;
   std::int64_t wall_ahead_ns_ = 0;  ///< wall clock minus monotonic clock, in ns
   struct OtherClock {

@@ -58,6 +58,9 @@ class FaultMemory {
   virtual ~FaultMemory() = default;
   /// Sets the sequence number of the event, and adds the event to the record.
   virtual void append(model::Fault& fault) = 0;
+  /// Makes the record keep the events with these numbers, of which there may be few. Other events are replaced
+  /// instead.
+  virtual void keep(std::vector<std::uint64_t> numbers) = 0;
   /// If writing to the file failed before, tries to use the file again. Returns true if the file is now in
   /// use again and contains all events that are in memory.
   virtual bool reopen() = 0;

@@ -52,8 +52,9 @@ enum class FaultKind : std::uint32_t {
   log_debug,
   forced,
   force_ended,
+  acknowledged,
 };
-inline constexpr std::size_t kFaultKinds = static_cast<std::size_t>(FaultKind::force_ended) + 1;
+inline constexpr std::size_t kFaultKinds = static_cast<std::size_t>(FaultKind::acknowledged) + 1;
 /// Returns the word for a kind, for example "missed-rows"; "?" for an invalid value.
 const char* to_text(FaultKind kind) noexcept;
 /// Returns the words of all kinds.

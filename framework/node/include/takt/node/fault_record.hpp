@@ -17,6 +17,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <takt/agent/memory.hpp>
@@ -68,6 +69,7 @@ class FaultRecord final : public agent::FaultMemory {
   /// file already has the number of an event in memory, the event in memory gets a new number. Does not wait
   /// for the disk.
   bool reopen() override;
+  void keep(std::vector<std::uint64_t> numbers) override { kept_ = std::move(numbers); }
   void sync() const override;
   /// Begins to store the appended events on the disk, unless a call before is still doing this. Does not wait
   /// for the disk.
@@ -89,6 +91,7 @@ class FaultRecord final : public agent::FaultMemory {
   std::uint64_t next_ = 1;
   Recorded recorded_;
   std::vector<std::size_t> places_;  // the slot of each event
+  std::vector<std::uint64_t> kept_;  // the numbers of events that are not replaced
   std::vector<std::size_t> free_;    // the slots without an event; the last one is used first
   std::shared_ptr<os::FixedFile> file_;
   std::string path_;

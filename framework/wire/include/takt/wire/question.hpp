@@ -9,7 +9,8 @@ namespace takt::wire {
 /// answers a question even after the deadline of the command.
 constexpr bool is_question(CommandKind kind) {
   return kind == COMMAND_REPORT || kind == COMMAND_DESCRIPTOR || kind == COMMAND_DESCRIBE ||
-         kind == COMMAND_GET || kind == COMMAND_TAP || kind == COMMAND_LOG || kind == COMMAND_TRACE;
+         kind == COMMAND_GET || kind == COMMAND_TAP || kind == COMMAND_LOG || kind == COMMAND_TRACE ||
+         kind == COMMAND_ALARMS;
 }
 
 }  // namespace takt::wire
