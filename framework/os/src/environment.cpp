@@ -1,9 +1,10 @@
 #include <takt/os/environment.hpp>
 
 #include <fcntl.h>
+#include <malloc.h>
+#include <pwd.h>
 #include <sys/eventfd.h>
 #include <sys/resource.h>
-#include <malloc.h>
 #include <unistd.h>
 
 #include <array>
@@ -57,6 +58,17 @@ std::string host_name() {
 }
 
 int process_id() { return ::getpid(); }
+
+std::string user_name() { return user_name(::geteuid()); }
+
+std::string user_name(unsigned user) {
+  std::array<char, 16384> memory{};
+  passwd entry{};
+  passwd* found = nullptr;
+  if (::getpwuid_r(user, &entry, memory.data(), memory.size(), &found) == 0 && found != nullptr)
+    return found->pw_name;
+  return std::to_string(user);
+}
 
 bool is_root() { return ::geteuid() == 0; }
 

@@ -33,15 +33,6 @@ constexpr int kMostLinks = 40;
 /// The memory for an entry of the user or group database, in bytes.
 using Memory = std::array<char, 16384>;
 
-std::string user_name(uid_t user) {
-  Memory memory{};
-  passwd entry{};
-  passwd* found = nullptr;
-  if (::getpwuid_r(user, &entry, memory.data(), memory.size(), &found) == 0 && found != nullptr)
-    return found->pw_name;
-  return std::to_string(user);
-}
-
 /// Returns the owners of this program's file and of the folders above it. Takt trusts them, because they can
 /// replace the program, and so could act as its user anyway.
 std::set<uid_t> owners_of_program() {

@@ -84,6 +84,15 @@ TEST(WatchList, ShowsThatAnInputOfAModuleIsForced) {
                                      HasSubstr("1 forced"), Not(HasSubstr("all EXECUTING"))));
 }
 
+TEST(WatchList, CountsTheUnacknowledgedAlarmsOfAllDevices) {
+  Snapshot snapshot = cell(2);
+  EXPECT_THAT(drawn(snapshot), Not(HasSubstr("alarm")));
+  snapshot.devices[0].alarms = 1;
+  EXPECT_THAT(drawn(snapshot), HasSubstr("1 unacknowledged alarm  "));
+  snapshot.devices[1].alarms = 2;
+  EXPECT_THAT(drawn(snapshot), HasSubstr("3 unacknowledged alarms  "));
+}
+
 TEST(WatchList, CanBeSortedByEachNumericColumn) {
   Snapshot snapshot = cell(2);
   snapshot.devices.erase(snapshot.devices.begin());

@@ -26,6 +26,7 @@ AddCommand add_status;
 AddCommand add_watch;
 AddCommand add_web;
 AddCommand add_log;
+AddCommand add_alarms;
 AddCommand add_module_commands;
 AddCommand add_restart;
 AddCommand add_swap;
@@ -46,10 +47,10 @@ AddCommand add_complete;
 
 /// All commands, in the order in which `takt --help` lists them.
 inline constexpr AddCommand* kCommands[] = {
-    add_check,    add_graph,  add_run,        add_new,     add_simulate, add_deploy,
-    add_undeploy, add_status, add_watch,      add_web,     add_log,      add_module_commands,
-    add_restart,  add_swap,   add_properties, add_force,   add_echo,     add_record,
-    add_play,     add_plot,   add_trace,      add_call,    add_doctor,   add_secure,
-    add_sign,     add_bench,  add_describe,   add_complete};
+    add_check,    add_graph,   add_run,   add_new,        add_simulate, add_deploy,
+    add_undeploy, add_status,  add_watch, add_web,        add_log,      add_module_commands,
+    add_alarms,   add_restart, add_swap,  add_properties, add_force,    add_echo,
+    add_record,   add_play,    add_plot,  add_trace,      add_call,     add_doctor,
+    add_secure,   add_sign,    add_bench, add_describe,   add_complete};
 
 }  // namespace takt::tool

@@ -1,6 +1,7 @@
 #include "reports/log_report.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <ctime>
 
 #include <fmt/format.h>
@@ -70,6 +71,33 @@ std::vector<std::string> lines_of(const std::string& text, std::size_t width) {
   return lines;
 }
 
+// The severity or kind in its colour, filled with spaces up to `width`.
+std::string coloured(const std::string& text, std::size_t width, model::Severity severity, Style style) {
+  const std::string padded = fmt::format("{:<{}}", text, width);
+  if (!style.colour) return padded;
+  return colour_of(severity) + text + "\033[0m" + padded.substr(std::min(text.size(), padded.size()));
+}
+
+std::string indented(const std::string& text, std::size_t indent, std::size_t width) {
+  std::string result;
+  for (const std::string& line : lines_of(text, width - indent))
+    result += std::string(indent, ' ') + line + "\n";
+  return result;
+}
+
+std::string date_of(const std::tm& time) {
+  return fmt::format("{:04}-{:02}-{:02}", time.tm_year + 1900, time.tm_mon + 1, time.tm_mday);
+}
+
+std::string second_of(std::int64_t wall_ns) {
+  const std::tm time = local(wall_ns);
+  return fmt::format("{} {:02}:{:02}:{:02}", date_of(time), time.tm_hour, time.tm_min, time.tm_sec);
+}
+
+std::string name_of(const std::string& device, const std::string& module) {
+  return device + (module.empty() ? "" : "." + module);
+}
+
 std::string cause_of(const model::Fault& fault) {
   std::string text = on_one_line(fault.cause);
   if (!fault.error.empty()) text = fault.error + ": " + text;
@@ -91,30 +119,43 @@ std::string log_text(const std::vector<model::Fault>& events, std::string& day, 
   std::string text;
   for (const model::Fault& fault : events) {
     const std::tm time = local(fault.time_ns);
-    const std::string date =
-        fmt::format("{:04}-{:02}-{:02}", time.tm_year + 1900, time.tm_mon + 1, time.tm_mday);
+    const std::string date = date_of(time);
     if (date != day) text += date + "\n";
     day = date;
     const model::Severity severity = model::severity_of(fault.kind);
-    const std::string name = fault.device + (fault.module.empty() ? "" : "." + fault.module);
-    const std::string kind = model::to_text(fault.kind);
-    const std::string head =
-        fmt::format("{:02}:{:02}:{:02}.{:03} {} {:<16} ", time.tm_hour, time.tm_min, time.tm_sec,
-                    fault.time_ns % kSecond / 1'000'000, mark_of(severity), name);
+    const std::string kind = coloured(model::to_text(fault.kind), 15, severity, style);
+    const std::string head = fmt::format("{:02}:{:02}:{:02}.{:03} {} {:<16} ", time.tm_hour, time.tm_min,
+                                         time.tm_sec, fault.time_ns % kSecond / 1'000'000, mark_of(severity),
+                                         name_of(fault.device, fault.module));
     const std::string cause = cause_of(fault);
-    const std::string padded = fmt::format("{:<15}", kind);
-    text += head;
-    text += style.colour
-                ? colour_of(severity) + kind + "\033[0m" + padded.substr(std::min(kind.size(), padded.size()))
-                : padded;
-    if (printed_columns(head) + printed_columns(padded) + 1 + printed_columns(cause) <= width) {
+    text += head + kind;
+    const std::size_t columns = std::max<std::size_t>(std::strlen(model::to_text(fault.kind)), 15);
+    if (printed_columns(head) + columns + 1 + printed_columns(cause) <= width) {
       text += " " + cause + "\n";
       continue;
     }
     text.erase(text.find_last_not_of(' ') + 1);
-    text += "\n";
-    for (const std::string& line : lines_of(cause, width - kIndent))
-      text += std::string(kIndent, ' ') + line + "\n";
+    text += "\n" + indented(cause, kIndent, width);
+  }
+  return text;
+}
+
+std::string alarms_text(const std::vector<model::Alarm>& alarms, Style style) {
+  const std::size_t width = std::clamp<std::size_t>(style.width, 80, 100);
+  constexpr std::size_t kIndent = 4;
+  std::string text;
+  for (const model::Alarm& alarm : alarms) {
+    const model::Severity severity = model::severity_of(alarm.kind);
+    text += fmt::format("{} {:<16} {} {}, since {}\n", mark_of(severity), name_of(alarm.device, alarm.module),
+                        coloured(model::to_text(alarm.kind), 15, severity, style), model::state_of(alarm),
+                        second_of(alarm.since_ns));
+    const model::Fault newest{.error = alarm.error, .cause = alarm.cause, .count = alarm.count};
+    text += indented(cause_of(newest), kIndent, width);
+    if (const auto& said = alarm.acknowledged)
+      text +=
+          indented(fmt::format("acknowledged by {} at {}{}", on_one_line(said->by), second_of(said->time_ns),
+                               said->note.empty() ? "" : ": " + on_one_line(said->note)),
+                   kIndent, width);
   }
   return text;
 }

@@ -1,4 +1,4 @@
-// Makes the output of `takt log`, which shows events as text or JSON.
+// Makes the output of `takt log` and `takt alarms`, which show events and alarms as text or JSON.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <takt/core/result.hpp>
+#include <takt/model/alarm.hpp>
 #include <takt/model/fault.hpp>
 
 #include "reports/style.hpp"
@@ -18,6 +19,10 @@ namespace takt::tool {
 std::string log_text(const std::vector<model::Fault>& events, std::string& day, Style style);
 /// Converts events to JSON, one object per line.
 std::string log_json(const std::vector<model::Fault>& events);
+
+/// Converts alarms to text, with local times: a line with the module, the kind, the state and the time, then
+/// the cause, then the acknowledgement.
+std::string alarms_text(const std::vector<model::Alarm>& alarms, Style style);
 
 /// Converts an age ("10m", "2h") or a local time ("14:30", "2026-03-01", "2026-03-01 14:30:05",
 /// "2026-03-01T14:30:05") to ns since 1970. If the text is not valid, the problem gives examples.

@@ -32,7 +32,9 @@ Line title(const Snapshot& snapshot, std::size_t columns) {
   std::set<std::string> bad;  // the states of modules that are bad
   std::size_t safe_stops = 0;
   std::size_t forced = 0;
+  std::size_t alarms = 0;
   for (const Device& device : snapshot.devices) {
+    alarms += device.alarms;
     modules += device.modules.size();
     for (const Module& module : device.modules) {
       const std::string state = device.alive ? module.state : "LOST";
@@ -49,6 +51,7 @@ Line title(const Snapshot& snapshot, std::size_t columns) {
       .gap(2)
       .add(count(snapshot.devices.size(), "device"));
   if (lost > 0) counts.add(fmt::format(", {} LOST", lost), Ink::bad);
+  if (alarms > 0) counts.gap(2).add(count(alarms, "unacknowledged alarm"), Ink::bad);
   counts.gap(2).add(count(modules, "module"));
   for (const char* state : {"LOST", "RECOVER", "DESTRUCT", "IDLE", "INITIALIZE", "START"}) {
     const auto found = states.find(state);

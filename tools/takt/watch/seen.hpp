@@ -98,6 +98,7 @@ struct Device {
   std::int32_t process_id = 0;
   std::int32_t host_process_id = 0;
   std::uint32_t host_restarts = 0;
+  std::uint32_t alarms = 0;  ///< the number of unacknowledged alarms
   std::vector<Executor> executors{};
   std::vector<Module> modules{};
 };

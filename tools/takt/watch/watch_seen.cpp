@@ -246,7 +246,8 @@ watch::Snapshot Watched::snapshot(const std::vector<wire::ObservedDevice>& devic
                          .machine = s.host_name().to_string(),
                          .process_id = s.process_id(),
                          .host_process_id = s.host_process_id(),
-                         .host_restarts = s.host_restarts()};
+                         .host_restarts = s.host_restarts(),
+                         .alarms = s.unacknowledged_alarms()};
     for (const auto& [name, e] : each.deployment.executors) {
       device.executors.push_back({.name = name,
                                   .cycles = e.cycles(),

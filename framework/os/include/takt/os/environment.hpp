@@ -40,6 +40,10 @@ std::vector<std::string> program_arguments();
 /// Returns the name of this machine; "localhost" if it cannot be read.
 std::string host_name();
 int process_id();
+/// Returns the name of a user, by default of the one who runs this program; the user's number if there is no
+/// name.
+std::string user_name();
+std::string user_name(unsigned user);
 /// Returns true if this program runs as root.
 bool is_root();
 
