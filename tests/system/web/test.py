@@ -21,7 +21,7 @@ from browser import Browser
 
 TOKEN = "a-token-that-only-this-test-knows"
 MODULES = ("robot.source", "robot.tuned", "robot.program", "line.sink", "line.fails")
-VIEWS = ("cell", "modules", "connections", "faults", "table", "plots", "watch")
+VIEWS = ("cell", "modules", "connections", "alarms", "faults", "table", "plots", "watch")
 VALUE = ".legend-table td[data-label=value]"
 
 # This script counts the pixels of the first plot that have a colour of page.css.
@@ -92,6 +92,66 @@ class Web(takt_system.Case):
         wait_until(lambda: self.page.script("return document.querySelector(arguments[0])?.disabled", button) is False,
                    "the button %s" % verb)
         self.page.click(button)
+
+    @takt_system.quiet("the browser competes with other tests for the CPUs")
+    def test_alarms_are_shown_above_all_views_until_they_are_acknowledged(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("#/modules")
+        page.wait_for("#alarms", r"^\d+ unacknowledged alarm")
+        row = "tr[data-alarm='line.fails']"
+        page.wait_for("tr[data-module='line.fails'] .alarm", "^alarm$")
+        page.click("#alarms a")  # without a token, the view has no enabled button
+        page.wait_for(row, "unacknowledged.*line.fails.*error: failure")
+        page.wait_for(".tools", "read-only")
+        self.assertTrue(page.script("return [...document.querySelectorAll('#view button')].every((one) => one.disabled)"))
+
+        # The end of a program is a fault whose cause goes; its module needs attention until somebody acknowledges it.
+        self.running["robot"].one("grid.exe").kill()
+        page.go("#/cell")
+        page.wait_for_attribute("[data-module='robot.program']", "data-state", "EXECUTING")
+        page.wait_for_attribute("[data-module='robot.program']", "data-look", "poor")
+        page.wait_for("[data-module='robot.program'] text", "^alarm$")
+
+        page.open(self.address + "#token=" + TOKEN)
+        page.wait_for("#rights", "may command")
+        page.go("#/alarms")
+        page.wait_for("tr[data-alarm='robot.program']", "unacknowledged, returned to normal")
+        page.click("tr[data-alarm='robot.program'] button")
+        page.wait_for("dialog h3", r"Acknowledge error of robot\.program\?")
+        self.assertEqual(255, page.script("return document.querySelector('dialog input').maxLength"))
+        page.write("dialog input", "killed by a test <b>\u202e")
+        page.click("dialog button[value=yes]")
+        wait_until(lambda: not page.texts("tr[data-alarm='robot.program']"), "the alarm to disappear")
+        page.click(row + " button")
+        page.write("dialog input", "known\n")  # Enter acknowledges
+        page.wait_for(row, r"^acknowledged.*acknowledged by \S+@\S+ at [\d:.]+: known")
+        if page.texts("#alarms"):  # a busy machine may raise more alarms
+            page.click(".tools button")
+            page.click("dialog button[value=yes]")
+        wait_until(lambda: not page.texts("#alarms"), "the bar to disappear")
+        page.go("#/cell")
+        page.wait_for_attribute("[data-module='robot.program']", "data-look", "good")
+        recorded = self.takt("log", "robot.program", "--kind", "acknowledged").out
+        self.assertRegex(" ".join(recorded.split()), r"\(error\) acknowledged by \S+: killed by a test <b>\\xe2\\x80\\xae$")
+        with urllib.request.urlopen(self.address + "metrics", timeout=takt_system.LONG) as metrics:
+            self.assertIn('takt_device_unacknowledged_alarms{cell="cell",device="line"} 0', metrics.read().decode())
+
+        # The gateway checks what a page sends.
+        for body in ({"device": "line", "alarm": "0", "by": "somebody else"}, {"device": "line", "alarm": "one"}, {"alarm": "0"}):
+            self.assertEqual(400, self.post("api/acknowledge", body), body)
+        self.assertEqual(409, self.post("api/acknowledge", {"device": "line", "alarm": "0", "note": "x" * 256}))
+        self.assertEqual(403, self.post("api/acknowledge", {"device": "line", "alarm": "0"}, token=""))
+        self.finish(web)
+
+    def post(self, path, body, token=TOKEN):
+        """Sends a request as a page does, and returns the status of the answer."""
+        request = urllib.request.Request(self.address + path, json.dumps(body).encode(), {"Authorization": "Bearer " + token})
+        try:
+            with urllib.request.urlopen(request, timeout=takt_system.LONG) as answer:
+                return answer.status
+        except urllib.error.HTTPError as error:
+            return error.code
 
     def viewers(self):
         """Returns the number of event streams that are open."""
@@ -465,7 +525,7 @@ class Web(takt_system.Case):
         self.wait_for_states({"robot": {"tuned": "START"}})
         page.wait_for("#details .mark .word", "^START")
         wait_until(lambda: page.focused() == "Start", "the focus on Start, because Stop is disabled")
-        page.press("5")
+        page.press("6")
         page.wait_for(".executor summary", "Where the time went")
         page.press("t", Keys.PAGE_UP, "2")
         wait_until(lambda: re.match("#/modules.*[?&]at=", page.script("return location.hash")), "an instant a minute ago")
@@ -943,6 +1003,7 @@ class Web(takt_system.Case):
         page.wait_for("[data-device='line'] .state-word", "^fails: RECOVER$")
         self.assertEqual("bad", page.attribute("[data-device='line']", "data-look"))
         page.click("[data-fold='line']")
+        page.wait_for("[data-module='line.fails'] .state-word", "RECOVER")
         page.click("[data-fold='robot']")
         page.wait_for("[data-module='robot.source'] .state-word", "EXECUTING")
         self.assertNotIn("collapsed", page.script("return location.hash"))
@@ -953,9 +1014,10 @@ class Web(takt_system.Case):
         web = self.serve()
         self.cell()
         page = self.look("?wall", width=1920, height=1080)
-        page.wait_for("[data-device=line] li", "^fails.*RECOVER$")
+        page.wait_for("[data-device=line] li", "^fails.*RECOVER, alarm$")
         self.assertEqual(["line", "robot"], page.texts(".tiles h2"), "the worst device is first")
-        page.wait_for(".wall-view > .mark", r"line\.fails: failure")
+        # The sink may lose its connection for a moment while the cell begins.
+        page.wait_for(".wall-view > .mark", r"line\.(fails: failure|sink: connection-lost)")
         small = page.script("""
             return [...document.querySelectorAll("body *")].filter((one) => one.checkVisibility() && [...one.childNodes]
                 .some((node) => node.nodeType === Node.TEXT_NODE && node.data.trim()) && one.getBoundingClientRect().width > 1)

@@ -49,6 +49,7 @@ TEST(Metrics, MeasureTimesInSeconds) {
               "takt_executor_margin_seconds{cell=\"press\",device=\"robot\",executor=\"main\"} 5e-05\n"),
           HasSubstr("takt_device_host_restarts_total{cell=\"press\",device=\"robot\"} 2\n"),
           HasSubstr("takt_device_forced_inputs{cell=\"press\",device=\"robot\"} 0\n"),
+          HasSubstr("takt_device_unacknowledged_alarms{cell=\"press\",device=\"robot\"} 3\n"),
           HasSubstr("takt_faults_total{device=\"robot\",severity=\"error\"} 5\n"),
           HasSubstr("takt_web_viewers 2\n")));
 }

@@ -42,6 +42,7 @@ inline wire::ObservedDevice device(const std::string& name, DeviceState state = 
   s.state(state);
   s.real_time(true);
   s.host_restarts(2);
+  s.unacknowledged_alarms(3);
   return device;
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <takt/client/alarms.hpp>
 #include <takt/client/answer_data.hpp>
 #include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
@@ -51,7 +52,8 @@ std::optional<std::map<std::string, std::string>> members_of(const std::string& 
   for (const auto& [name, value] : json.items()) {
     if (!known.contains(name) || !value.is_string()) return std::nullopt;
     members[name] = value.get<std::string>();
-    if (name != "value" && (members[name].empty() || !wire::is_name(members[name]))) return std::nullopt;
+    if (name != "value" && name != "note" && (members[name].empty() || !wire::is_name(members[name])))
+      return std::nullopt;
   }
   return members;
 }
@@ -90,6 +92,21 @@ Answer DeviceRequests::command(const std::string& body) {
   Json json{{"text", reply->head.text().to_string()}};
   if (!module.empty()) json["state"] = to_text(reply->head.state());
   return answer_of(json);
+}
+
+Answer DeviceRequests::acknowledge(const std::string& body) {
+  auto asked = members_of(body, {"device", "module", "note", "alarm"});
+  const auto number = asked ? model::whole_number(model::parse_json((*asked)["alarm"])) : std::nullopt;
+  if (!number || !asked->contains("device")) {
+    return answer_of(
+        400, fail("not a valid acknowledgement: " + in_quotes(body.substr(0, 100)),
+                  R"(send {"device": "d", "module": "m", "note": "text", "alarm": "17"}, where alarm is the )"
+                  "number of the alarm, or 0 for all alarms of the module"));
+  }
+  const auto alarms =
+      client::acknowledge(sender_, (*asked)["device"], (*asked)["module"], (*asked)["note"], *number);
+  if (!alarms) return answer_of(409, alarms.problems().front());
+  return answer_of(Json{{"acknowledged", alarms->size()}});
 }
 
 Answer DeviceRequests::set_property(const std::string& body) {

@@ -20,6 +20,7 @@ class DeviceRequests {
   explicit DeviceRequests(client::Operator& sender) noexcept : sender_(sender) {}
 
   Answer command(const std::string& body);
+  Answer acknowledge(const std::string& body);
   Answer set_property(const std::string& body);
   /// `running`, here and in table(), is the running cell, or null if none is known.
   Answer properties(const std::string& module);

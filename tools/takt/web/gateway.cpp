@@ -138,6 +138,7 @@ std::shared_ptr<Stream> Gateway::open(const std::string& address) {
   for (const auto& [name, module] : modules_) trends[name] = history_.of(name, kTrend).jitter_us;
   stream->send(event_text("trends", model::json_text({{"jitter_us", std::move(trends)}})));
   stream->send(all_faults());
+  stream->send(all_alarms());
   return stream;
 }
 
@@ -290,6 +291,7 @@ void Gateway::run_fetcher() {
   while (!ended_) {
     look_for_cell();
     read_records();
+    read_alarms();
     follow_faults();
     watched_->maintain();
   }
@@ -304,6 +306,43 @@ void Gateway::read_records() {
     add_record(read);
     follower_->go_on_after(read);
   }
+}
+
+// Asks each device for its alarms when its status says that they have changed. A lost device keeps its last
+// alarms.
+void Gateway::read_alarms() {
+  auto next = alarms_;
+  std::set<std::string> found;
+  for (const wire::ObservedDevice& seen : client_.observer->devices()) {
+    found.insert(seen.name());
+    const std::uint64_t changes = seen.status.alarm_changes();
+    OfDevice& known = next[seen.name()];
+    if (!seen.alive || ended_ || (known.node == seen.node() && known.changes == changes)) continue;
+    if (changes == 0) {
+      known = {.node = seen.node()};
+      continue;
+    }
+    const auto reply = client::accepted(
+        client_.sender->send({.kind = COMMAND_ALARMS, .device = seen.name(), .limit = kNodeAnswered}));
+    if (!reply) continue;  // run_fetcher() tries again in its next cycle
+    if (auto alarms = client::alarms_in(seen.name(), reply->data); alarms)
+      known = {.node = seen.node(), .changes = changes, .alarms = std::move(*alarms)};
+  }
+  std::erase_if(next, [&found](const auto& each) { return !found.contains(each.first); });
+  if (next == alarms_) return;
+  const std::lock_guard lock{mutex_};
+  alarms_ = std::move(next);
+  streams_.send(all_alarms());
+}
+
+// Returns the event `alarms` with the alarms of all devices, the worst first. The caller must hold the lock.
+std::string Gateway::all_alarms() const {
+  std::vector<model::Alarm> all;
+  for (const auto& [device, known] : alarms_) all.insert(all.end(), known.alarms.begin(), known.alarms.end());
+  std::ranges::stable_sort(all, model::is_worse);
+  Json alarms = Json::array();
+  for (const model::Alarm& alarm : all) alarms.push_back(alarm_json(alarm));
+  return event_text("alarms", model::json_text({{"alarms", std::move(alarms)}}));
 }
 
 void Gateway::follow_faults() {

@@ -18,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+#include <takt/client/alarms.hpp>
 #include <takt/client/connection.hpp>
 #include <takt/client/history.hpp>
 #include <takt/client/log.hpp>
@@ -66,10 +67,12 @@ class Gateway {
   [[nodiscard]] bool is_lost() const;  // true if all devices of the shown cell are lost
   void follow_faults();
   void read_records();
+  void read_alarms();
   void add_faults(const std::vector<model::Fault>& faults, const Problems& problems);
   void add_record(const client::Log& read);
   void keep_problems(const Problems& problems);
   [[nodiscard]] std::string all_faults() const;
+  [[nodiscard]] std::string all_alarms() const;
   [[nodiscard]] std::shared_ptr<const model::Cell> cell() const;
 
   std::unique_ptr<News> news_;  // declared before the client, whose threads use it
@@ -92,6 +95,13 @@ class Gateway {
   std::deque<std::string> problems_;
   std::set<std::string> recorded_;  // the devices whose fault record was read
   Counted counted_;
+  struct OfDevice {
+    std::string node;
+    std::uint64_t changes = 0;
+    std::vector<model::Alarm> alarms{};
+    bool operator==(const OfDevice&) const = default;
+  };
+  std::map<std::string, OfDevice> alarms_;  // the alarms of each device
   client::History history_;
 
   std::atomic<bool> ended_{false};

@@ -87,6 +87,8 @@ std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const m
   Metric restarts{"takt_device_host_restarts_total", kCounter,
                   "Restarts of the device's host, which is its real-time process."};
   Metric forced{"takt_device_forced_inputs", kGauge, "Inputs of the device that an operator forces."};
+  Metric alarms{"takt_device_unacknowledged_alarms", kGauge,
+                "Alarms of the device and its modules that nobody has acknowledged."};
   for (const wire::ObservedDevice& device : devices) {
     const DeviceStatus& s = device.status;
     const Labels labels{{"cell", s.cell().to_string()}, {"device", device.name()}};
@@ -97,6 +99,7 @@ std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const m
     };
     up.add(labels, device.alive);
     if (!device.alive) continue;
+    alarms.add(labels, std::uint64_t{s.unacknowledged_alarms()});
     for (auto i = static_cast<int>(DEVICE_WAITING); i <= static_cast<int>(DEVICE_ENDED); ++i)
       state.add(with("state", to_text(static_cast<DeviceState>(i))),
                 s.state() == static_cast<DeviceState>(i));
@@ -119,7 +122,8 @@ std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const m
     });
     if (!found) up.add({{"cell", cell->name}, {"device", device.name}}, false);
   }
-  return up.text() + state.text() + health.text() + real_time.text() + restarts.text() + forced.text();
+  return up.text() + state.text() + health.text() + real_time.text() + restarts.text() + forced.text() +
+         alarms.text();
 }
 
 std::string of_modules(const std::vector<wire::ObservedDevice>& devices) {

@@ -112,6 +112,23 @@ Json fault_json(const model::Fault& f) {
           {"time_ms", in_ms(f.time_ns)}};
 }
 
+Json alarm_json(const model::Alarm& a) {
+  Json acknowledged = nullptr;
+  if (const auto& said = a.acknowledged)
+    acknowledged = {{"by", said->by}, {"note", said->note}, {"time_ms", in_ms(said->time_ns)}};
+  return {{"device", a.device},
+          {"module", a.module},
+          {"kind", model::to_text(a.kind)},
+          {"severity", model::to_text(model::severity_of(a.kind))},
+          {"error", a.error},
+          {"cause", a.cause},
+          {"count", a.count},
+          {"number", a.number},
+          {"since_ms", in_ms(a.since_ns)},
+          {"state", model::state_of(a)},
+          {"acknowledged", std::move(acknowledged)}};
+}
+
 bool in_safe_stop(const wire::ObservedDevice& device, const std::string& module) {
   const auto& ports = device.deployment.ports;
   for (auto at = ports.lower_bound(module + "."); at != ports.end() && at->first.starts_with(module + ".");

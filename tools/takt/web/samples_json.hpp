@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <takt/model/alarm.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/fault.hpp>
 #include <takt/recording/columns.hpp>
@@ -23,6 +24,7 @@ Json device_json(const wire::ObservedDevice& device);
 /// The current state of a module, or its transition to a new state.
 Json module_json(const LifecycleStatus& status);
 Json fault_json(const model::Fault& fault);
+Json alarm_json(const model::Alarm& alarm);
 
 /// The measurements of all modules, executors and connections. `cell` is the running cell, or null if none is
 /// known.

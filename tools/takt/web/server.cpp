@@ -42,7 +42,8 @@ struct File {
   std::string_view path;
   std::string_view content;
 };
-constexpr File kFiles[] = {
+// Not constexpr: clang would count the characters of each file, and give up after a million.
+const File kFiles[] = {
 #include "page.inc"
 };
 
@@ -241,6 +242,7 @@ class HttpServer final : public Server {
       put(response, answer_of(Json{{"command", why.empty()}, {"why", why}}));
     });
     post("/api/command", [&requests](const std::string& body) { return requests.command(body); });
+    post("/api/acknowledge", [&requests](const std::string& body) { return requests.acknowledge(body); });
     post("/api/property", [&requests](const std::string& body) { return requests.set_property(body); });
   }
 

@@ -205,12 +205,12 @@ export class Graph {
     if (!drawn || !module) return;
     const look = lookOfModule(this.#store.shown(module));
     this.#showLook(drawn, look);
-    setAttribute(drawn.group, "aria-label", `${name}: ${look.word}`);
+    setAttribute(drawn.group, "aria-label", `${name}: ${look.word}${look.alarm ? ", alarm" : ""}`);
     if (!drawn.trend) return;
     const measures = look.key === "lost" ? null : module.measures;
     const use = measures ? useOf(module) : { share: null };
     setText(drawn.run, measures ? `run ${use.words}${use.allowed ? ` of ${exact(use.allowed)}` : ""}` : "");
-    setText(drawn.jitter, measures ? `jitter ${duration(measures.jitter_us.p99)}` : "");
+    setText(drawn.jitter, look.alarm ? "alarm" : measures ? `jitter ${duration(measures.jitter_us.p99)}` : "");
     const share = Math.min(use.share ?? 0, 1);
     setAttribute(drawn.used, "width", (share * Number(drawn.track.getAttribute("width"))).toFixed(1));
     setAttribute(drawn.used, "data-look", use.share > 1 ? "bad" : use.share > 0.8 ? "poor" : "good");

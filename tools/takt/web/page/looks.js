@@ -8,8 +8,14 @@ const kWorst = ["bad", "poor", "plain", "faint", "good"];
 const kLooks = { good: "good", idle: "plain", poor: "poor", bad: "bad" };
 const kLost = { look: "bad", sign: "lost" };
 
-/// The look of a module's state. `module` comes from Store.shown(). `key` identifies the state for sorting and filtering.
+/// The look of a module's state. `module` comes from Store.shown(). `key` identifies the state for sorting and filtering. `alarm` is true if
+/// the module has an unacknowledged alarm, which asks for attention even if the state is good.
 export function lookOfModule(module) {
+  const look = lookOfState(module);
+  return !module.alarm ? look : look.look === "good" ? { ...look, look: "poor", sign: "poor", alarm: true } : { ...look, alarm: true };
+}
+
+function lookOfState(module) {
   if (!module.state) return { key: "none", word: "not found", look: "faint", sign: "wait" };
   const word = module.state.state;
   if (module.lost) return { ...kLost, key: "lost", word: `lost, was ${word}` };

@@ -1,6 +1,7 @@
 // The web page of `takt web`. Events from the gateway fill a store, and the views show the data in the store. One view is visible at a
 // time.
 
+import { AlarmBar, Alarms } from "./alarms.js";
 import { get, keepToken } from "./api.js";
 import { arrows, element, Mark, setAttribute, setText, sign } from "./dom.js";
 import { Details } from "./details.js";
@@ -27,6 +28,7 @@ import { clock } from "./words.js";
 const byId = (name) => document.getElementById(name);
 const store = new Store();
 const speaker = new Speaker(byId("spoken"));
+const alarms = new AlarmBar(byId("alarms"), store);
 const details = new Details(byId("details"), store);
 const tree = new Tree(byId("tree"), store);
 const strip = new Strip(byId("strip"), store);
@@ -35,6 +37,7 @@ const views = {
   cell: { title: "Cell", view: new Graph(store) },
   modules: { title: "Modules", view: new Modules(store) },
   connections: { title: "Connections", view: new Connections(store) },
+  alarms: { title: "Alarms", view: new Alarms(store) },
   faults: { title: "Faults", view: new Faults(store) },
   table: { title: "Table", view: new Table(store) },
   plots: { title: "Plots", view: new Plots(store) },
@@ -169,6 +172,7 @@ function listen() {
 store.listen((changes) => {
   if (changes.cell) store.ports.ask();  // the gateway has dropped the ports of the former cell
   showHeader(changes);
+  if (changes.alarms) alarms.update();
   shown?.update(changes);
   tree.update(changes);
   strip.update(changes);

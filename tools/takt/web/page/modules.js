@@ -2,7 +2,7 @@
 
 import { arrows, Bar, element, Mark, setAttribute, setText } from "./dom.js";
 import { lookOfDevice, lookOfModule, useOf } from "./looks.js";
-import { adjust, alter, currentRoute, linkTo } from "./route.js";
+import { addressOf, adjust, alter, currentRoute, linkTo } from "./route.js";
 import { Spark } from "./spark.js";
 import { count, exact, number, several } from "./words.js";
 
@@ -28,9 +28,10 @@ class Row {
     this.spark = new Spark(kTrend);
     this.link = linkTo(module.name, module.label, { class: "name" });
     this.about = element("span", { class: "faint small" });
+    this.alarm = element("a", { href: addressOf("alarms"), class: "alarm" });
     const numbers = (label) => element("td", { class: "number", dataset: { label } });  // a phone shows the label with the number
     this.cells = {
-      name: element("th", { scope: "row" }, this.link, this.about), state: element("td", {}, this.mark.element),
+      name: element("th", { scope: "row" }, this.link, this.about), state: element("td", {}, this.mark.element, this.alarm),
       p50: numbers("jitter p50, us"), p99: numbers("jitter p99, us"), run: element("td", { dataset: { label: "run time p99" } }, this.bar.element),
       overruns: numbers("overruns"), recoveries: numbers("recoveries"),
       trend: element("td", { class: "trend" }, this.spark.element),
@@ -43,6 +44,7 @@ class Row {
     this.look = lookOfModule(store.shown(this.module));
     this.mark.show(this.look);
     setAttribute(this.element, "data-state", this.look.key);
+    setText(this.alarm, this.look.alarm ? "alarm" : "");
   }
 
   showAbout() {

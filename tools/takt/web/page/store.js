@@ -18,6 +18,7 @@ class Changes {
   begun = new Set();     // devices that have just started to run; the views ask these devices again
   modules = new Set();
   faults = false;
+  alarms = false;
 }
 
 const runs = (device) => device?.alive === true && device.state === "running";
@@ -41,6 +42,8 @@ export class Store {
   faults = [];
   faultsCome = 0;        // number of fault events since the page was opened
   problems = [];
+  alarms = [];           // the worst first
+  #alarmed = new Set();  // the modules with an unacknowledged alarm
   measures = null;       // the last event `measures`
   time_ms = 0;           // the gateway's time in the last event, which arrived when this page's clock showed `seen`
   seen = 0;
@@ -69,6 +72,7 @@ export class Store {
       ["measures", this.measures],
       ["trends", { jitter_us: each("trend") }],
       ["faults", { whole: true, events: this.faults, problems: this.problems }],
+      ["alarms", { alarms: this.alarms }],
     ];
     return this.cell ? events.filter(([, data]) => data) : events.slice(0, 1);
   }
@@ -79,6 +83,7 @@ export class Store {
     else if (name === "measures") this.takeMeasures(data);
     else if (name === "trends") this.takeTrends(data);
     else if (name === "faults") this.takeFaults(data);
+    else if (name === "alarms") this.takeAlarms(data);
     else if (name === "newest") this.takeNewest(data.values);
     else this.ports.take(name, data);
   }
@@ -216,17 +221,27 @@ export class Store {
     this.change((changes) => { changes.faults = true; });
   }
 
+  takeAlarms({ alarms }) {
+    const before = this.#alarmed;
+    this.alarms = alarms;
+    this.#alarmed = new Set(alarms.filter(({ acknowledged }) => !acknowledged).map(({ device, module }) => `${device}.${module}`));
+    this.change((changes) => {
+      changes.alarms = true;
+      for (const name of [...before, ...this.#alarmed]) if (this.modules.has(name)) changes.modules.add(name);
+    });
+  }
+
   /// True if the module's device is lost. The module's state is then the last known one.
   isLost(module) {
     const device = this.devices.get(module.device);
     return module.state !== null && device?.alive === false;
   }
 
-  /// The module as lookOfModule() takes it: with `lost`, and with `stopped`, which is true if an operator stopped the module. A module that
+  /// The module as lookOfModule() takes it: with `lost`, with `alarm`, and with `stopped`, which is true if an operator stopped the module. A module that
   /// was started is in START, too, until its first release.
   shown(module) {
     const stays = module.state?.state === "START" && ["stop", "recover"].includes(module.state.event);
-    return { ...module, lost: this.isLost(module), stopped: stays && runs(this.devices.get(module.device)) };
+    return { ...module, lost: this.isLost(module), alarm: this.#alarmed.has(module.name), stopped: stays && runs(this.devices.get(module.device)) };
   }
 
   /// The names of all devices: first those in the descriptor, then all others.

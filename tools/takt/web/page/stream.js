@@ -6,7 +6,7 @@ const kCheck_ms = 500;
 const kQuiet_ms = 4000;  // normally the event `measures` arrives every second
 const kSilent_ms = 15000;
 const kAgain_ms = 1000;
-const kEvents = ["cell", "state", "measures", "trends", "faults", "port", "points", "newest"];
+const kEvents = ["cell", "state", "measures", "trends", "faults", "alarms", "port", "points", "newest"];
 
 export class Stream {
   ports = [];   // the ports whose values this page plots

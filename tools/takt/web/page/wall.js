@@ -25,9 +25,9 @@ class Tile {
     this.rank = rankOf(worst);
     this.mark.show(look);
     setAttribute(this.element, "data-look", worst.look);
-    setText(this.count, `${modules.length - trouble.length} of ${modules.length} EXECUTING`);
+    setText(this.count, `${modules.filter(({ look }) => look.key === "EXECUTING").length} of ${modules.length} EXECUTING`);
     const lost = look.key === "lost" || look.key === "none";  // one word for the device says the same about its modules
-    const lines = lost ? [] : trouble.slice(0, kListed).map(({ module, look }) => ({ name: module.label, look }));
+    const lines = lost ? [] : trouble.slice(0, kListed).map(({ module, look }) => ({ name: module.label, look: look.alarm ? { ...look, word: `${look.word}, alarm` } : look }));
     const more = lost ? 0 : trouble.length - lines.length;
     const shown = JSON.stringify([lines, more]);
     if (shown === this.shown) return;
