@@ -132,8 +132,11 @@ class Ports(takt_system.Case):
         watch = self.start("watch", terminal=terminal.slave, become=terminal.become, environment={"LC_ALL": "C", "NO_COLOR": ""})
         terminal.wait_for("robot")
         terminal.press("/robot.source" + ENTER)
-        terminal.wait_for("robot.source")
-        terminal.press(DOWN + ENTER)  # from the row of the device
+        terminal.wait_for("Esc: show all")
+        terminal.wait_for("^ +source")
+        terminal.press(DOWN)  # from the row of the device
+        terminal.wait_for("^> +source")
+        terminal.press(ENTER)
         terminal.wait_for(r"out +out .* \* ok, ")
 
         nodes["line"].kill_all()

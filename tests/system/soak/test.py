@@ -44,7 +44,8 @@ class Soak(networks.NetworkCase):
 
     def order(self):
         module = self.random.choice(("left.source", "left.near", "left.program", "right.far", "right.answers"))
-        self.assertEqual(0, self.operator("stop", module).status, module)
+        run = self.operator("stop", module)
+        self.assertEqual(0, run.status, run.err)
         self.assertEqual(0, self.operator("start", module).status, module)
 
     def property(self):
