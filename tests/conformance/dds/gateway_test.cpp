@@ -562,6 +562,12 @@ std::string fragments(std::uint32_t first, std::uint32_t count, std::uint32_t si
          std::to_string(end - (first - 1) * size);
 }
 
+/// Returns fragment `which` of two fragments of this sample.
+std::string half(std::uint64_t sequence, std::uint32_t which) {
+  return "16 01 00001c00 " + number(sequence) + hex(which, 4) + hex(1, 2) + hex(100, 2) + hex(200, 4) +
+         " 100";
+}
+
 std::size_t resident_bytes() {
   std::ifstream file{"/proc/self/statm"};
   std::size_t all = 0;
@@ -715,9 +721,52 @@ TEST_F(DeceivedGateway, ForgetsTheKeyOfALostSampleOfWhichItHasFragments) {
     EXPECT_TRUE(soon([&] { return received + reader->refused() == i - 1; })) << i;
   }
   // The next sample comes first in part, without a key hash, and then as a whole.
-  send("16 01 00001c00 " + number(5) + hex(1, 4) + hex(1, 2) + hex(100, 2) + hex(200, 4) + " 100");
+  send(half(5, 1));
   send(data(5, bytes_of(event)));
   EXPECT_TRUE(soon([&] { return received + reader->refused() == 4; }));
+}
+
+/// A reader that keeps 64 samples of each key, and a peer whose writer matches it.
+class DeceivedReader : public DeceivedGateway {
+ protected:
+  void SetUp() override {
+    DeceivedGateway::SetUp();
+    auto reader = dds::Reader<FaultEvent>::create(
+        participant_, {.sample = [this](const FaultEvent&, wire::WriterId) { ++received_; }});
+    ASSERT_TRUE(reader.ok());
+    reader_.emplace(std::move(*reader));
+    peer_.emplace(std::vector<std::string>{"deceive", "takt/fault", "reliable", "takt::FaultEvent"});
+    ASSERT_TRUE(soon([&] { return reader_->matched() == 1; }));
+  }
+  /// Returns the number of samples that the reader has got, valid or not.
+  [[nodiscard]] std::uint64_t samples() const { return received_ + reader_->refused(); }
+
+ private:
+  std::atomic<std::uint64_t> received_{0};
+  std::optional<dds::Reader<FaultEvent>> reader_;
+};
+
+TEST_F(DeceivedReader, RefusesALongSampleThatWouldHaveToWait) {
+  const std::uint64_t before = participant_->refused();
+  send(data(2, std::vector<std::byte>(10000)));
+  EXPECT_TRUE(soon([&] { return participant_->refused() > before; }));
+}
+
+TEST_F(DeceivedReader, ForgetsTheFragmentsOfSamplesThatAGapSkips) {
+  for (std::uint64_t i = 1; i <= 256; ++i) send(half(i, 1));
+  send(gap(1, 257));
+  send(half(257, 1));
+  send(half(257, 2));
+  EXPECT_TRUE(soon([&] { return samples() == 1; })) << samples();
+}
+
+TEST_F(DeceivedReader, KeepsTheFirst256SamplesOfWhichAFragmentIsMissing) {
+  for (std::uint64_t i = 2; i <= 300; ++i) send(half(i, 1));
+  send(half(1, 1));
+  for (std::uint64_t i = 1; i <= 300; ++i) send(half(i, 2));
+  EXPECT_TRUE(soon([&] { return samples() == 256; })) << samples();
+  expect_that_the_gateway_works();
+  EXPECT_EQ(samples(), 256U);
 }
 
 }  // namespace
