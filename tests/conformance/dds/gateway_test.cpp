@@ -2,6 +2,7 @@
 // process (peer.cpp) or a second link.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -745,6 +746,25 @@ class DeceivedReader : public DeceivedGateway {
   std::atomic<std::uint64_t> received_{0};
   std::optional<dds::Reader<FaultEvent>> reader_;
 };
+
+TEST_F(DeceivedReader, FreesSamplesThatAreOlderThanAllWaitingSamplesOfTheirKey) {
+  FaultEvent event;
+  event.path("cell/robot");
+  event.cause(std::string(500, 'x'));
+  constexpr std::size_t kOlder = 500;
+  std::size_t used = 0;
+  std::uint64_t sequence = 1;
+  for (std::uint32_t round = 1; round <= 2; ++round) {
+    ++sequence;  // the sample before is missing, so that the following ones wait
+    for (int i = 0; i < 64; ++i) send(data(sequence++, bytes_of(event)) + " 100");
+    for (std::size_t i = 0; i < kOlder; ++i) send(data(sequence++, bytes_of(event)) + " 50");
+    send(heartbeat(sequence, 1000 + round));
+    ASSERT_TRUE(soon([&] { return samples() == 64 * round; })) << samples();
+    const std::size_t now = ::mallinfo2().uordblks;
+    EXPECT_TRUE(round == 1 || now < used + kOlder * 500) << used << " " << now;
+    used = now;
+  }
+}
 
 TEST_F(DeceivedReader, RefusesALongSampleThatWouldHaveToWait) {
   const std::uint64_t before = participant_->refused();

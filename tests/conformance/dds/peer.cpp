@@ -408,7 +408,7 @@ class Forger {
   ~Forger() { ::close(udp_); }
 
   /// Sends a message in the name of the participant with `prefix`. The message is one submessage that begins
-  /// with `head` (its kind and flags) and contains `content`.
+  /// with `head` (its kind and flags) and contains `content`. Other submessages may come first in `head`.
   void send(const std::vector<std::byte>& head, const std::vector<std::byte>& content) const {
     std::vector<std::byte> message = bytes_of_hex("525450530203010f");
     const auto add = [&message](const auto& bytes) {
@@ -462,9 +462,10 @@ void returning(const Participant& participant, const Arguments& arguments) {
 
 // Command `deceive TOPIC RELIABILITY [TYPE]`: creates a writer of test::Sample, or of TYPE, which has a key
 // and is kept for readers that join later. It writes no sample. For each input line "KIND FLAGS BEFORE AFTER
-// ZEROS", sends an RTPS message in the name of this writer to all participants on loopback. The message is
-// one submessage that contains the bytes BEFORE, the ids of all readers and of the writer, the bytes AFTER,
-// and ZEROS bytes of value 0. KIND, FLAGS, BEFORE and AFTER are hexadecimal; BEFORE may be "-"
+// ZEROS [TIME]", sends an RTPS message in the name of this writer to all participants on loopback. The
+// message is one submessage that contains the bytes BEFORE, the ids of all readers and of the writer, the
+// bytes AFTER, and ZEROS bytes of value 0. TIME, in seconds, is the time in the INFO_TS before it. KIND,
+// FLAGS, BEFORE and AFTER are hexadecimal; BEFORE may be "-"
 void deceive(const Participant& participant, const Arguments& arguments) {
   dds::OwnParticipant& mine = dds::own(*participant);
   const bool keyed = arguments.size() > 2;
@@ -489,7 +490,13 @@ void deceive(const Participant& participant, const Arguments& arguments) {
     for (const auto byte : guid.entityId.value) content.push_back(static_cast<std::byte>(byte));
     for (const std::byte byte : bytes_of_hex(after)) content.push_back(byte);
     content.resize(content.size() + zeros);
-    forger.send(bytes_of_hex(kind + flags), content);
+    std::vector<std::byte> head;
+    if (std::uint32_t time = 0; words >> time) {
+      head = bytes_of_hex("09010800");
+      for (int i = 0; i < 8; ++i) head.push_back(static_cast<std::byte>(i < 4 ? time >> 8 * i : 0));
+    }
+    for (const std::byte byte : bytes_of_hex(kind + flags)) head.push_back(byte);
+    forger.send(head, content);
     print("sent");
   }
   mine.end(writer);

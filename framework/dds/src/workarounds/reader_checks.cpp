@@ -8,6 +8,7 @@
 #include <fastdds/rtps/history/ReaderHistory.h>
 #include <fastdds/rtps/reader/StatefulReader.h>
 #include <fastdds/rtps/reader/StatelessReader.h>
+#include <fastdds/dds/core/status/SampleRejectedStatus.hpp>
 
 #include <takt/security/identity.hpp>
 #include <takt/wire/rtps.hpp>
@@ -28,6 +29,16 @@ class WriterProxy {
 };
 
 }  // namespace eprosima::fastrtps::rtps
+
+namespace eprosima::fastdds::dds::detail {
+
+// The samples of a reader. Fast DDS does not install the header of this class either.
+class DataReaderHistory : public fastrtps::rtps::ReaderHistory {
+  bool received_change_keep_last(fastrtps::rtps::CacheChange_t* sample, std::size_t missing,
+                                 SampleRejectedStatusKind& why);
+};
+
+}  // namespace eprosima::fastdds::dds::detail
 
 namespace eprosima::fastrtps::rtps::security {
 
@@ -63,6 +74,8 @@ struct Originals {
   using Next = rtps::SequenceNumber_t(rtps::WriterProxy*);
   using Data = bool(rtps::StatefulReader*, rtps::CacheChange_t*);
   using Add = bool(rtps::ReaderHistory*, rtps::CacheChange_t*);
+  using Receive = bool(rtps::ReaderHistory*, rtps::CacheChange_t*, std::size_t,
+                       eprosima::fastdds::dds::SampleRejectedStatusKind&);
   using Gap = bool(rtps::StatefulReader*, const rtps::GUID_t&, const rtps::SequenceNumber_t&,
                    const rtps::SequenceNumberSet_t&);
   using Fragments = bool(rtps::StatefulReader*, rtps::CacheChange_t*, std::uint32_t, std::uint32_t,
@@ -78,6 +91,9 @@ struct Originals {
       "_ZN8eprosima8fastrtps4rtps14StatefulReader14processDataMsgEPNS1_13CacheChange_tE");
   Add* add =
       takt::dds::replaced<Add>("_ZN8eprosima8fastrtps4rtps13ReaderHistory10add_changeEPNS1_13CacheChange_tE");
+  Receive* receive = takt::dds::replaced<Receive>(
+      "_ZN8eprosima7fastdds3dds6detail17DataReaderHistory25received_change_keep_lastEPNS_8fastrtps4rtps"
+      "13CacheChange_tEmRNS1_24SampleRejectedStatusKindE");
   Gap* gap = takt::dds::replaced<Gap>(
       "_ZN8eprosima8fastrtps4rtps14StatefulReader13processGapMsgERKNS1_6GUID_tERKNS1_16SequenceNumber_t"
       "ERKNS0_11BitmapRangeIS6_NS1_18SequenceNumberDiffELj256EEE");
@@ -156,6 +172,10 @@ bool make_room(rtps::ReaderHistory& history, const rtps::CacheChange_t& part) {
   return true;
 }
 
+// The sample that a reader has dropped on this thread, because it is older than all waiting samples of its
+// key. Null if the last sample was not dropped.
+thread_local rtps::CacheChange_t* too_old = nullptr;
+
 // Locked from the comparison with the first DATA_FRAG until the fragments are stored. The lock of the reader
 // cannot be held so long, because Fast DDS needs to release it in between.
 std::mutex storing_fragments;
@@ -217,7 +237,10 @@ bool StatefulReader::processDataMsg(CacheChange_t* sample) {
       if (ahead > 0 && sample->serializedPayload.length > largest_sample(*this, *mp_history)) return refuse();
     }
   }
-  return originals().data(this, sample);
+  too_old = nullptr;
+  const bool is_taken = originals().data(this, sample);
+  if (too_old != nullptr) releaseCache(too_old);
+  return is_taken;
 }
 
 bool StatefulReader::processDataFragMsg(CacheChange_t* part, std::uint32_t sample, std::uint32_t first,
@@ -307,6 +330,19 @@ bool RTPSReader::reserveCache(CacheChange_t** change, std::uint32_t size) {
 }
 
 }  // namespace eprosima::fastrtps::rtps
+
+namespace eprosima::fastdds::dds::detail {
+
+// Adds a sample to those of its key, of which the reader keeps a limited number. If a sample is older than
+// all of them, Fast DDS counts it as received and does not store it, but never frees it.
+bool DataReaderHistory::received_change_keep_last(fastrtps::rtps::CacheChange_t* sample, std::size_t missing,
+                                                  SampleRejectedStatusKind& why) {
+  const bool is_received = originals().receive(this, sample, missing, why);
+  if (is_received && find_change_nts(sample) == changesEnd()) too_old = sample;
+  return is_received;
+}
+
+}  // namespace eprosima::fastdds::dds::detail
 
 namespace eprosima::fastrtps::rtps::security {
 
