@@ -98,6 +98,10 @@ void Executor::join_grid(Instant t0, Instant now) noexcept {
   if (now > release_) skip(static_cast<std::uint64_t>((now - release_ + basic_ - Nanoseconds{1}) / basic_));
 }
 
+void Executor::leave_grid(Instant now) noexcept {
+  if (now > release_) skip(static_cast<std::uint64_t>((now - release_) / basic_));
+}
+
 void Executor::skip(std::uint64_t rows) noexcept {
   if (rows == 0) return;
   for (std::size_t i = 0; i < periodic_.size(); ++i) {

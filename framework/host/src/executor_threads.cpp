@@ -155,7 +155,7 @@ void ExecutorThreads::walk_rows(Instant t0) {
   executor_.join_grid(t0, os::now());
   while (true) {
     const Instant now = waker.wait_until(executor_.next_release());
-    if (halt_.load(std::memory_order_relaxed) != 0) return;
+    if (halt_.load(std::memory_order_relaxed) != 0) return executor_.leave_grid(os::now());
     // Ringing the wake word once wakes both the process modules that the row released and the readers of the
     // samples that the row's modules wrote.
     const std::uint32_t released = reporter_ ? reported_cycle(now) : executor_.run_cycle(now);

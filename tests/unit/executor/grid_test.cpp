@@ -379,6 +379,21 @@ TEST(Executor, CountsRowsMissedDuringARestart) {
   EXPECT_EQ(number, 12U);
 }
 
+TEST(Executor, CountsRowsMissedBeforeItsEnd) {
+  FakeDevice device{{thread(milliseconds{1}), thread(milliseconds{2})}};
+  device.join();
+  device.cycle();
+  device.executor->leave_grid(device.t0 + microseconds{999});
+  EXPECT_EQ(device.block->missed.load(), 0U) << "row 1 is not due yet";
+  device.executor->leave_grid(device.t0 + microseconds{1'999});
+  EXPECT_EQ(device.block->missed.load(), 0U) << "the time of row 1 is not over yet";
+  device.executor->leave_grid(device.t0 + microseconds{4'999});
+  EXPECT_EQ(device.block->missed.load(), 3U);  // rows 1 to 3
+  EXPECT_EQ(device.blocks[0].missed.load(), 3U);
+  EXPECT_EQ(device.blocks[1].missed.load(), 1U);  // row 2
+  EXPECT_EQ(device.block->next_row.load(), 4U);
+}
+
 TEST(Executor, RecordsTheLargestRowDelay) {
   FakeDevice device{{thread(milliseconds{1})}};
   device.join();

@@ -60,6 +60,9 @@ class Executor {
   /// After a restart of the host, the rows from block.next_row up to that row count as missed. Do not call
   /// join_grid() for an executor without modules: such an executor has no grid.
   void join_grid(Instant t0, Instant now) noexcept;
+  /// Counts the rows whose time is over at `now` as missed. Call this when no row runs any more: the CPU may
+  /// have been taken away when the executor was asked to end.
+  void leave_grid(Instant now) noexcept;
 
   /// Returns the time at which the next row is due; always on the grid.
   [[nodiscard]] Instant next_release() const noexcept { return release_; }
