@@ -550,8 +550,12 @@ std::string hex(const std::vector<std::byte>& bytes) {
 std::string heartbeat(std::uint64_t first, std::uint32_t count) {
   return "07 03 - " + number(first) + number(first) + hex(count, 4) + " 0";
 }
-std::string gap(std::uint64_t start, std::uint64_t end) {
-  return "08 01 - " + number(start) + number(end) + hex(0, 4) + " 0";
+/// Returns a GAP that skips the samples from `start` to `end` - 1, and those in `list`. The numbers in `list`
+/// are less than `end` + 32.
+std::string gap(std::uint64_t start, std::uint64_t end, const std::vector<std::uint64_t>& list = {}) {
+  std::uint32_t bits = 0;
+  for (const std::uint64_t each : list) bits |= 0x80000000U >> (each - end);
+  return "08 01 - " + number(start) + number(end) + hex(32, 4) + hex(bits, 4) + " 0";
 }
 std::string data(std::uint64_t sequence, const std::vector<std::byte>& bytes) {
   return "15 05 00001000 " + number(sequence) + hex(bytes) + " 0";
@@ -778,6 +782,25 @@ TEST_F(DeceivedReader, ForgetsTheFragmentsOfSamplesThatAGapSkips) {
   send(half(257, 1));
   send(half(257, 2));
   EXPECT_TRUE(soon([&] { return samples() == 1; })) << samples();
+}
+
+TEST_F(DeceivedReader, ForgetsTheFragmentsOfASampleThatTheListOfAGapNames) {
+  send(half(3, 1));
+  send(gap(1, 2, {3}));
+  send(data(2, bytes_of(FaultEvent{})));
+  send(data(4, bytes_of(FaultEvent{})));
+  EXPECT_TRUE(soon([&] { return samples() == 2; })) << samples();
+}
+
+TEST_F(DeceivedReader, ForgetsAWaitingSampleIfTheWriterSkipsManyNumbers) {
+  constexpr std::uint64_t kFar = std::uint64_t{1} << 40;
+  const auto sample = bytes_of(FaultEvent{});
+  send(data(2, sample));
+  send(heartbeat(kFar, 1000));
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    send(data(kFar + i, sample));
+    ASSERT_TRUE(soon([&] { return samples() == i + 1; })) << samples();
+  }
 }
 
 TEST_F(DeceivedReader, KeepsTheFirst256SamplesOfWhichAFragmentIsMissing) {

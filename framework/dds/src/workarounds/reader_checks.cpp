@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cstdint>
 #include <mutex>
+#include <utility>
+#include <vector>
 
 #include <fastdds/rtps/history/ReaderHistory.h>
 #include <fastdds/rtps/reader/StatefulReader.h>
@@ -40,6 +42,15 @@ class DataReaderHistory : public fastrtps::rtps::ReaderHistory {
 
 }  // namespace eprosima::fastdds::dds::detail
 
+namespace eprosima::fastdds::dds {
+
+class DataReaderImpl {
+ protected:
+  bool on_new_cache_change_added(const fastrtps::rtps::CacheChange_t* sample);
+};
+
+}  // namespace eprosima::fastdds::dds
+
 namespace eprosima::fastrtps::rtps::security {
 
 class SecurityManager {
@@ -72,10 +83,12 @@ constexpr std::uint32_t kBehind = 6;
 /// The replaced functions of Fast DDS.
 struct Originals {
   using Next = rtps::SequenceNumber_t(rtps::WriterProxy*);
+  using Notify = void(rtps::StatefulReader*, rtps::WriterProxy*);
   using Data = bool(rtps::StatefulReader*, rtps::CacheChange_t*);
   using Add = bool(rtps::ReaderHistory*, rtps::CacheChange_t*);
   using Receive = bool(rtps::ReaderHistory*, rtps::CacheChange_t*, std::size_t,
                        eprosima::fastdds::dds::SampleRejectedStatusKind&);
+  using Present = bool(eprosima::fastdds::dds::DataReaderImpl*, const rtps::CacheChange_t*);
   using Gap = bool(rtps::StatefulReader*, const rtps::GUID_t&, const rtps::SequenceNumber_t&,
                    const rtps::SequenceNumberSet_t&);
   using Fragments = bool(rtps::StatefulReader*, rtps::CacheChange_t*, std::uint32_t, std::uint32_t,
@@ -87,6 +100,8 @@ struct Originals {
 
   Next* next = takt::dds::replaced<Next>(
       "_ZN8eprosima8fastrtps4rtps11WriterProxy32next_cache_change_to_be_notifiedEv");
+  Notify* notify = takt::dds::replaced<Notify>(
+      "_ZN8eprosima8fastrtps4rtps14StatefulReader13NotifyChangesEPNS1_11WriterProxyE");
   Data* data = takt::dds::replaced<Data>(
       "_ZN8eprosima8fastrtps4rtps14StatefulReader14processDataMsgEPNS1_13CacheChange_tE");
   Add* add =
@@ -94,6 +109,9 @@ struct Originals {
   Receive* receive = takt::dds::replaced<Receive>(
       "_ZN8eprosima7fastdds3dds6detail17DataReaderHistory25received_change_keep_lastEPNS_8fastrtps4rtps"
       "13CacheChange_tEmRNS1_24SampleRejectedStatusKindE");
+  Present* present = takt::dds::replaced<Present>(
+      "_ZN8eprosima7fastdds3dds14DataReaderImpl25on_new_cache_change_addedEPKNS_8fastrtps4rtps13CacheChange_"
+      "tE");
   Gap* gap = takt::dds::replaced<Gap>(
       "_ZN8eprosima8fastrtps4rtps14StatefulReader13processGapMsgERKNS1_6GUID_tERKNS1_16SequenceNumber_t"
       "ERKNS0_11BitmapRangeIS6_NS1_18SequenceNumberDiffELj256EEE");
@@ -157,6 +175,16 @@ void forget(rtps::ReaderHistory& history, rtps::CacheChange_t& begun) {
   history.remove_change(&begun);
 }
 
+/// Removes the samples for which `is_lost` returns true.
+template <class IsLost>
+void forget(rtps::ReaderHistory& history, IsLost&& is_lost) {
+  std::vector<rtps::CacheChange_t*> lost;
+  for (auto each = history.changesBegin(); each != history.changesEnd(); ++each) {
+    if (is_lost(**each)) lost.push_back(*each);
+  }
+  for (rtps::CacheChange_t* each : lost) forget(history, *each);
+}
+
 /// Makes room for one more incomplete sample of a writer. Keeps the samples that the reader needs first.
 bool make_room(rtps::ReaderHistory& history, const rtps::CacheChange_t& part) {
   std::size_t count = 0;
@@ -172,9 +200,15 @@ bool make_room(rtps::ReaderHistory& history, const rtps::CacheChange_t& part) {
   return true;
 }
 
-// The sample that a reader has dropped on this thread, because it is older than all waiting samples of its
-// key. Null if the last sample was not dropped.
+// The sample that a reader drops on this thread, because it is older than all waiting samples of its key.
 thread_local rtps::CacheChange_t* too_old = nullptr;
+
+// The reader that passes samples to its listener on this thread, and its history.
+struct Notifying {
+  rtps::StatefulReader* reader;
+  rtps::ReaderHistory* history;
+};
+thread_local Notifying notifying{};
 
 // Locked from the comparison with the first DATA_FRAG until the fragments are stored. The lock of the reader
 // cannot be held so long, because Fast DDS needs to release it in between.
@@ -197,11 +231,24 @@ SequenceNumber_t WriterProxy::next_cache_change_to_be_notified() {
   const SequenceNumber_t next = originals().next(this);
   const SequenceNumber_t last = available_changes_max();
   if (next == c_SequenceNumber_Unknown || last.to64long() - next.to64long() < kMostCounted) return next;
+  // A sample with a skipped number may have been waiting. Fast DDS would not count it, but let the listener
+  // take it, and with the next sample of its key, an assertion would end the process.
+  forget(*notifying.history, [&](CacheChange_t& each) {
+    WriterProxy* its = nullptr;
+    return next <= each.sequenceNumber && each.sequenceNumber <= last - kMostCounted &&
+           notifying.reader->matched_writer_lookup(each.writerGUID, &its) && its == this;
+  });
   const auto used = static_cast<std::uint32_t>(number_of_changes_from_writer());
   loaded_from_storage(last - kMostCounted);
   lost_changes_update(last + 1);
   missing_changes_update(last + used);
   return originals().next(this);
+}
+
+void StatefulReader::NotifyChanges(WriterProxy* known) {
+  const Notifying outer = std::exchange(notifying, {this, mp_history});
+  originals().notify(this, known);
+  notifying = outer;
 }
 
 bool StatefulReader::processGapMsg(const GUID_t& writer, const SequenceNumber_t& start,
@@ -211,10 +258,9 @@ bool StatefulReader::processGapMsg(const GUID_t& writer, const SequenceNumber_t&
   if (!is_alive_ || !acceptMsgFrom(writer, &known) || known == nullptr) return false;
   const SequenceNumber_t next = known->available_changes_max() + 1;
   const SequenceNumber_t end = list.base();
-  if (start <= next) {
+  if (start <= next && start < end) {
     known->lost_changes_update(end);
-    mp_history->remove_fragmented_changes_until(end, writer);
-    return originals().gap(this, writer, end, list);
+    return originals().gap(this, writer, end - 1, list);
   }
   const SequenceNumber_t limit = next + kMostStored;
   return originals().gap(this, writer, start, end > limit ? SequenceNumberSet_t{limit} : list);
@@ -237,9 +283,9 @@ bool StatefulReader::processDataMsg(CacheChange_t* sample) {
       if (ahead > 0 && sample->serializedPayload.length > largest_sample(*this, *mp_history)) return refuse();
     }
   }
-  too_old = nullptr;
+  CacheChange_t* const outer = std::exchange(too_old, nullptr);
   const bool is_taken = originals().data(this, sample);
-  if (too_old != nullptr) releaseCache(too_old);
+  if (CacheChange_t* const dropped = std::exchange(too_old, outer)) releaseCache(dropped);
   return is_taken;
 }
 
@@ -343,6 +389,19 @@ bool DataReaderHistory::received_change_keep_last(fastrtps::rtps::CacheChange_t*
 }
 
 }  // namespace eprosima::fastdds::dds::detail
+
+namespace eprosima::fastdds::dds {
+
+// Presents a sample to the listener. An incomplete sample comes this far if the list of a GAP contains its
+// number. Then an assertion would end the process.
+bool DataReaderImpl::on_new_cache_change_added(const fastrtps::rtps::CacheChange_t* sample) {
+  auto& stored = const_cast<fastrtps::rtps::CacheChange_t&>(*sample);
+  if (stored.is_fully_assembled()) return originals().present(this, sample);
+  forget(*notifying.history, stored);
+  return refuse();
+}
+
+}  // namespace eprosima::fastdds::dds
 
 namespace eprosima::fastrtps::rtps::security {
 

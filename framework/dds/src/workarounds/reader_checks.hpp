@@ -13,6 +13,8 @@
 //   not. Then an assertion fails, or the thread that receives packets never returns.
 // - It stores an incomplete sample under the key hash that a fragment contains, and uses its memory again
 //   while it is still there. Then a thread takes the same sample for ever.
+// - It presents an incomplete sample to the listener if the list of a GAP contains its number. Then an
+//   assertion fails.
 // - It never frees a sample that it drops because as many newer samples of the same key are waiting as it
 //   keeps.
 #pragma once
