@@ -352,16 +352,6 @@ void Agent::tap(const Command& command) {
   answer(command, REPLY_OK, "", model::json_text(data));
 }
 
-namespace {
-
-/// Who sent a command: an authenticated sender or, in a cell without DDS Security, what the client says.
-std::string sender_of(const wire::WholeCommand& command) {
-  const std::string said = command.who.empty() ? command.head.value().to_string() : command.who;
-  return said.empty() ? "an unknown client" : said;
-}
-
-}  // namespace
-
 void Agent::force(const wire::WholeCommand& command) {
   const Command& head = command.head;
   if (!runs(head)) return;

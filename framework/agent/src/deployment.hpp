@@ -1,6 +1,7 @@
 // The data of the deployment that an agent carries out, and of the transaction that leads to it.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <takt/agent/agent.hpp>
+#include <takt/core/words.hpp>
 #include <takt/transaction/transaction.hpp>
 
 namespace takt::agent {
@@ -28,6 +30,15 @@ struct Agent::Transaction {
 [[nodiscard]] inline std::string client_of(const Command& command) {
   const std::string id = command.id().to_string();
   return id.substr(0, id.rfind('-'));
+}
+
+/// Returns who sent a command: its authenticated sender or, in a cell without DDS Security, the name that the
+/// client gives. This name has no ':', because the fault record writes ": " after it.
+[[nodiscard]] inline std::string sender_of(const wire::WholeCommand& command) {
+  if (!command.who.empty()) return command.who;
+  std::string name = on_one_line(command.head.value().to_string());
+  std::ranges::replace(name, ':', '_');
+  return name.empty() ? "an unknown client" : name;
 }
 
 [[nodiscard]] inline bool is_given_up(const LifecycleStatus& module) {

@@ -180,11 +180,10 @@ void Agent::acknowledge(const wire::WholeCommand& command) {
                       (asked->alarm == 0 ? "" : " " + std::to_string(asked->alarm)) +
                       "; takt alarms lists all alarms");
   }
-  const std::string& by = command.who.empty() ? asked->by : command.who;
   for (const model::Alarm& alarm : alarms) {
     note({.module = alarm.module,
           .kind = FaultKind::acknowledged,
-          .cause = model::acknowledgement_text(alarm, by, asked->note)});
+          .cause = model::acknowledgement_text(alarm, sender_of(command), asked->note)});
   }
   answer(command.head, REPLY_OK, "", model::json_text(model::to_json(alarms)));
 }

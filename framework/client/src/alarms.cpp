@@ -8,25 +8,12 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/client/answer_data.hpp>
+#include <takt/client/user.hpp>
 #include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
-#include <takt/os/environment.hpp>
-#include <takt/wire/words.hpp>
 #include "reports.hpp"
 
 namespace takt::client {
-
-namespace {
-
-/// The name of the operator for nodes that do not know it from an identity, such as "anna@panel-pc".
-std::string user_at_machine() {
-  std::string name = on_one_line(os::user_name() + "@" + os::host_name());
-  std::ranges::replace_if(
-      name, [](char c) { return c == ':' || c == ' '; }, '_');
-  return wire::cut(name, model::Acknowledge::kLongestName);
-}
-
-}  // namespace
 
 Result<std::vector<model::Alarm>> alarms_in(const std::string& device, const std::string& data) {
   std::vector<model::Alarm> alarms;
@@ -79,12 +66,15 @@ AllAlarms read_alarms(Operator& sender, const std::string& device) {
 Result<std::vector<model::Alarm>> acknowledge(Operator& sender, const std::string& device,
                                               const std::string& module, const std::string& note,
                                               std::uint64_t number) {
-  const model::Acknowledge data{.by = user_at_machine(), .note = note, .alarm = number};
+  const model::Acknowledge data{.note = note, .alarm = number};
   const std::string text = model::json_text(model::to_json(data));
   // The node says the same, but not before the device is found.
   if (const auto valid = model::acknowledge_from(text); !valid) return valid.problems();
-  const auto answer =
-      accepted(sender.send({.kind = COMMAND_ACKNOWLEDGE, .device = device, .module = module, .data = text}));
+  const auto answer = accepted(sender.send({.kind = COMMAND_ACKNOWLEDGE,
+                                            .device = device,
+                                            .module = module,
+                                            .value = user_at_machine(),
+                                            .data = text}));
   if (!answer) return answer.problems();
   return alarms_in(device, answer->data);
 }

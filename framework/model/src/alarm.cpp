@@ -271,7 +271,7 @@ bool Alarms::is_lost(const std::string& device) const {
 }
 
 Json to_json(const Acknowledge& acknowledge) {
-  Json value{{"by", acknowledge.by}, {"note", acknowledge.note}};
+  Json value{{"note", acknowledge.note}};
   if (acknowledge.alarm != 0) value["alarm"] = acknowledge.alarm;
   return value;
 }
@@ -284,19 +284,14 @@ Result<Acknowledge> acknowledge_from(std::string_view text) {
   if (!value.is_object()) return invalid("it is not a JSON object");
   Acknowledge read;
   for (const auto& [name, member] : value.items()) {
-    if ((name == "by" || name == "note") && member.is_string()) {
-      (name == "by" ? read.by : read.note) = member.get<std::string>();
+    if (name == "note" && member.is_string()) {
+      read.note = member.get<std::string>();
     } else if (const auto number = whole_number(member); name == "alarm" && number) {
       read.alarm = *number;
     } else {
       return invalid("its member " + in_quotes(name) + " is unknown, or has a wrong type");
     }
   }
-  // The fault record separates the name and the note by ": ".
-  if (read.by.empty() || read.by.size() > Acknowledge::kLongestName || on_one_line(read.by) != read.by ||
-      read.by.find_first_of(": ") != std::string::npos)
-    return invalid("the operator's name must have 1 to " + std::to_string(Acknowledge::kLongestName) +
-                   " bytes, without spaces, ':' and control characters");
   if (read.note.size() > Acknowledge::kLongestNote)
     return invalid("the note has " + std::to_string(read.note.size()) + " bytes, but may have at most " +
                    std::to_string(Acknowledge::kLongestNote));

@@ -68,7 +68,7 @@ class Force(takt_system.Case):
         self.assertEqual(set(INPUTS), set(status))
         for port in INPUTS:
             self.assertEqual(("poor", FORCED), (status[port]["rating"], status[port]["forced"]["value"]["number"]))
-            self.assertRegex(status[port]["reason"], r"^forced: by .* on ")
+            self.assertRegex(status[port]["reason"], r"^forced: by .*@")
         shown = self.done("status", "force", "graph %s --live" % self.beside("cell.xml"))
         self.assertRegex(shown[0], r"thread\.in +in .*! forced: by ")
         for port in INPUTS:

@@ -22,6 +22,7 @@ std::vector<model::Alarm> alarms_of(FakeDevice& device) {
 wire::WholeCommand acknowledge(FakeDevice& device, const std::string& module, const std::string& data) {
   wire::WholeCommand command = device.command(COMMAND_ACKNOWLEDGE);
   command.head.module_name(module.c_str());
+  command.head.value("anna@pc7");
   command.data = data;
   return command;
 }
@@ -55,7 +56,7 @@ TEST_F(AgentWithAlarms, PublishesTheirNumberAndEachChange) {
   fails("servo");
   EXPECT_EQ(unacknowledged(), 1U);
   EXPECT_GT(device_.published.devices.back().alarm_changes(), before);
-  device_.receive(acknowledge(device_, "servo", R"({"by": "anna@pc7", "note": "the cable"})"));
+  device_.receive(acknowledge(device_, "servo", R"({"note": "the cable"})"));
   EXPECT_EQ(device_.reply().code(), REPLY_OK);
   device_.pass(milliseconds{10});
   EXPECT_EQ(unacknowledged(), 0U);
@@ -73,7 +74,7 @@ TEST_F(AgentWithAlarms, KeepsTheAlarmOfAModuleThatHasRecovered) {
 TEST_F(AgentWithAlarms, RecordsWhoHasAcknowledgedWhichAlarmWithWhichNote) {
   device_.become_running();
   fails("servo");
-  device_.receive(acknowledge(device_, "servo", R"({"by": "anna@pc7", "note": "a\nb"})"));
+  device_.receive(acknowledge(device_, "servo", R"({"note": "a\nb"})"));
   const FaultEvent& event = device_.published.faults.back();
   EXPECT_EQ(event.kind(), FAULT_ACKNOWLEDGED);
   EXPECT_EQ(event.name(), "servo");
@@ -86,19 +87,29 @@ TEST_F(AgentWithAlarms, RecordsWhoHasAcknowledgedWhichAlarmWithWhichNote) {
 TEST_F(AgentWithAlarms, TakesTheNameFromTheCertificateIfThereIsOne) {
   device_.become_running();
   fails("servo");
-  auto command = acknowledge(device_, "", R"({"by": "somebody", "note": ""})");
+  auto command = acknowledge(device_, "", "{}");
   command.who = "operator anna at 10.0.0.7";
   device_.receive(command);
   EXPECT_EQ(alarms_of(device_).at(0).acknowledged->by, "operator anna at 10.0.0.7");
 }
 
+TEST_F(AgentWithAlarms, WritesTheNameThatAClientGivesOnOneLineAndWithoutAColon) {
+  device_.become_running();
+  fails("servo");
+  auto command = acknowledge(device_, "", R"({"note": "seen"})");
+  command.head.value("an\x1bna: otto");
+  device_.receive(command);
+  EXPECT_EQ(alarms_of(device_).at(0).acknowledged->by, "an\\x1bna_ otto");
+  EXPECT_EQ(alarms_of(device_).at(0).acknowledged->note, "seen");
+}
+
 TEST_F(AgentWithAlarms, RejectsAnAcknowledgementOfNothing) {
   device_.become_running();
-  device_.receive(acknowledge(device_, "servo", R"({"by": "anna"})"));
+  device_.receive(acknowledge(device_, "servo", "{}"));
   EXPECT_EQ(device_.reply().code(), REPLY_REFUSED);
   EXPECT_EQ(device_.text(), "module robot.servo has no unacknowledged alarm; takt alarms lists all alarms");
   fails("servo");
-  device_.receive(acknowledge(device_, "servo", R"({"by": "anna", "alarm": 1})"));
+  device_.receive(acknowledge(device_, "servo", R"({"alarm": 1})"));
   EXPECT_THAT(device_.text(), HasSubstr("has no unacknowledged alarm 1;"));
   EXPECT_EQ(unacknowledged(), 1U);
 }
@@ -107,7 +118,7 @@ TEST_F(AgentWithAlarms, RejectsANoteThatIsTooLong) {
   device_.become_running();
   fails("servo");
   const std::string note(256, 'x');
-  device_.receive(acknowledge(device_, "servo", R"({"by": "anna", "note": ")" + note + R"("})"));
+  device_.receive(acknowledge(device_, "servo", R"({"note": ")" + note + R"("})"));
   EXPECT_EQ(device_.reply().code(), REPLY_REFUSED);
   EXPECT_EQ(unacknowledged(), 1U);
   EXPECT_THAT(device_.published.faults.back().cause().to_string(),
@@ -122,7 +133,7 @@ TEST(AgentAfterARestart, StillHasTheAlarms) {
     device.become_running();
     device.work.noted({.module = "servo", .kind = FaultKind::given_up, .cause = "boom"}, "");
     device.work.noted({.module = "arm", .kind = FaultKind::host_restart, .cause = "its host ended"}, "");
-    device.receive(acknowledge(device, "arm", R"({"by": "anna"})"));
+    device.receive(acknowledge(device, "arm", "{}"));
     EXPECT_THAT(alarms_of(device), SizeIs(1));
   }
   FakeDevice device{{}, false, record};

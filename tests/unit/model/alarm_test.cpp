@@ -189,18 +189,13 @@ std::string problem_of(const std::string& data) {
 }
 
 TEST(Acknowledging, RejectsDataThatAreNotValid) {
-  EXPECT_EQ(problem_of(R"({"by": "anna@pc7", "note": "fine", "alarm": 7})"), "");
+  EXPECT_EQ(problem_of(R"({"note": "fine", "alarm": 7})"), "");
   EXPECT_THAT(problem_of(""), HasSubstr("it is not a JSON object"));
-  EXPECT_THAT(problem_of(R"({"note": "no name"})"), HasSubstr("the operator's name must have 1 to 63 bytes"));
-  EXPECT_THAT(problem_of(R"({"by": "anna: anna"})"), HasSubstr("without spaces"));
-  EXPECT_THAT(problem_of(R"({"by": "an\u001bna"})"), HasSubstr("control characters"));
-  EXPECT_THAT(problem_of(R"({"by": "an\u202ena"})"), HasSubstr("control characters"));
-  EXPECT_THAT(problem_of(R"({"by": ")" + std::string(64, 'a') + R"("})"), HasSubstr("1 to 63 bytes"));
-  EXPECT_THAT(problem_of(R"({"by": "anna", "alarm": -1})"), HasSubstr("member 'alarm'"));
-  EXPECT_THAT(problem_of(R"({"by": "anna", "alarm": 1.5})"), HasSubstr("member 'alarm'"));
-  EXPECT_THAT(problem_of(R"({"by": "anna", "module": "x"})"), HasSubstr("member 'module'"));
-  EXPECT_EQ(problem_of(R"({"by": "anna", "note": ")" + std::string(255, 'x') + R"("})"), "");
-  EXPECT_EQ(problem_of(R"({"by": "anna", "note": ")" + std::string(256, 'x') + R"("})"),
+  EXPECT_THAT(problem_of(R"({"alarm": -1})"), HasSubstr("member 'alarm'"));
+  EXPECT_THAT(problem_of(R"({"alarm": 1.5})"), HasSubstr("member 'alarm'"));
+  EXPECT_THAT(problem_of(R"({"module": "x"})"), HasSubstr("member 'module'"));
+  EXPECT_EQ(problem_of(R"({"note": ")" + std::string(255, 'x') + R"("})"), "");
+  EXPECT_EQ(problem_of(R"({"note": ")" + std::string(256, 'x') + R"("})"),
             "the acknowledgement is not valid: the note has 256 bytes, but may have at most 255");
 }
 

@@ -1,7 +1,6 @@
 // takt force: replaces the samples of an input by a value, for a limited time and while this command runs.
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -12,10 +11,10 @@
 #include <takt/client/connection.hpp>
 #include <takt/client/port_names.hpp>
 #include <takt/client/status.hpp>
+#include <takt/client/user.hpp>
 #include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
-#include <takt/os/environment.hpp>
 #include <takt/os/signals.hpp>
 
 #include "commands/commands.hpp"
@@ -44,12 +43,6 @@ struct ForceOptions {
   bool end = false;
   client::Network network;
 };
-
-/// Who asks, in a cell without DDS Security. In a secured cell, the node knows the operator.
-std::string asker() {
-  const char* const user = std::getenv("USER");
-  return (user == nullptr || *user == '\0' ? "a user" : std::string{user}) + " on " + os::host_name();
-}
 
 /// The value as the node expects it: an object, or a list of texts FIELD=VALUE.
 std::string data_of(const std::vector<std::string>& value) {
@@ -91,7 +84,7 @@ int force(const ForceOptions& options) {
                                  .device = name->device,
                                  .module = name->module,
                                  .property = name->port,
-                                 .value = asker(),
+                                 .value = client::user_at_machine(),
                                  .data = options.end ? "" : data_of(options.value),
                                  .time_ns = duration.count(),
                                  .limit = kAnswered};

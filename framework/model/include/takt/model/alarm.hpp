@@ -87,11 +87,8 @@ class Alarms {
 
 /// The data of COMMAND_ACKNOWLEDGE.
 struct Acknowledge {
-  /// The longest name and the longest note, in bytes.
-  static constexpr std::size_t kLongestName = 63;
-  static constexpr std::size_t kLongestNote = 255;
+  static constexpr std::size_t kLongestNote = 255;  ///< in bytes
 
-  std::string by;
   std::string note{};
   std::uint64_t alarm = 0;  ///< the number of the only alarm that is meant; 0: all
 };
