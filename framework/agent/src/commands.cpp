@@ -168,6 +168,7 @@ void Agent::report(const Command& command) {
   if (!name_clash_.empty()) report["conflict"] = name_clash_;
   if (now.text().size() != 0 && now.text().to_string() != name_clash_)
     report["text"] = now.text().to_string();
+  report["unacknowledged_alarms"] = alarms_.unacknowledged().size();
   report["lost"] = lost_devices();
   report["devices"] = d != nullptr ? json(model::device_names(d->cell)) : json::array();
   report["heard"] = json::array();

@@ -36,6 +36,7 @@ class Alarms(takt_system.Case):
         alarm, = self.wait_for_alarms("line.fails error: unacknowledged")
         self.assertEqual(("failure", "error", 1, True), (alarm["error"], alarm["severity"], alarm["count"], alarm["active"]))
         self.assertRegex(self.takt("alarms").out, r"^X line\.fails +error +unacknowledged, since \d{4}-.*\n +failure: ")
+        self.assertIn("\n  1 unacknowledged alarm; takt alarms lists them\n", self.takt("status").out)
         self.refused({"acknowledge line.source": "module line.source has no unacknowledged alarm",
                       "acknowledge nobody": "device nobody",
                       "acknowledge line.fails --note " + "x" * 256: "the note has 256 bytes, but may have at most 255"})
@@ -73,6 +74,7 @@ class Alarms(takt_system.Case):
         self.done("acknowledge line.fails --note 'waits for a spare part'")
         alarm, = self.wait_for_alarms("line.fails error: acknowledged")
         self.assertEqual("waits for a spare part", alarm["acknowledged"]["note"])
+        self.assertNotIn("unacknowledged", self.takt("status").out)
         self.assertRegex(self.takt("alarms").out, r"\n +acknowledged by \S+ at .*: waits for a spare part\n$")
         self.done("restart line.fails")  # it fails again
         self.wait_for_alarms("line.fails error: unacknowledged")

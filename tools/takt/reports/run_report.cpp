@@ -110,6 +110,8 @@ std::string device_text(const Json& device, std::size_t width, Style style) {
   if (!why.empty()) state += (state.empty() ? "" : ": ") + why;
   if (!state.empty()) state.insert(0, "  ");
   state.insert(0, clock_text(device));
+  if (const auto alarms = device.value("unacknowledged_alarms", std::size_t{0}); alarms > 0)
+    state += "\n  " + count(alarms, "unacknowledged alarm") + "; takt alarms lists them";
   if (const std::string conflict = device.value("conflict", ""); !conflict.empty())
     state += "\n  NAME CONFLICT: " + conflict;
   std::string text = fmt::format(
