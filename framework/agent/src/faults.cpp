@@ -113,9 +113,18 @@ void Agent::note_answer(const Command& command, ReplyCode code, const std::strin
        client_of(command));
 }
 
+namespace {
+
+bool is_in(const model::Cell& cell, const std::string& device) {
+  return std::ranges::any_of(cell.devices, [&](const model::Device& each) { return each.name == device; });
+}
+
+}  // namespace
+
 // Records when other devices of the running cell are lost or come back.
 void Agent::check_devices() {
   if (!deployment_ || !deployment_->is_final() || deployment_->over) return;
+  std::erase_if(devices_seen_, [this](const auto& seen) { return !is_in(deployment_->cell, seen.first); });
   for (const model::Device& device : deployment_->cell.devices) {
     if (device.name == options_.device) continue;
     const auto seen = others_.of_device(device.name);
@@ -189,13 +198,16 @@ void Agent::acknowledge(const wire::WholeCommand& command) {
 }
 
 void Agent::update_alarms(DeviceStatus& status) {
-  alarms_.update([this, &status](const std::string& module) {
+  const auto is_faulty = [this, &status](const std::string& module) {
     if (module.empty()) return status.health() == HEALTH_FAILED;
     if (!deployment_) return false;
     const auto& modules = deployment_->modules;
     const auto found = std::ranges::find_if(
         modules, [&module](const LifecycleStatus& each) { return each.name() == module; });
     return found != modules.end() && (found->state() == STATE_RECOVER || is_given_up(*found));
+  };
+  alarms_.update(is_faulty, [this](const std::string& device) {
+    return !deployment_ || is_in(deployment_->cell, device);
   });
   if (alarms_.changes() != published_.alarm_changes()) options_.record->keep(alarms_.needed());
   status.unacknowledged_alarms(static_cast<std::uint32_t>(alarms_.unacknowledged().size()));

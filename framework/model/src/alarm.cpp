@@ -236,11 +236,14 @@ void Alarms::take(const Fault& fault) {
   alarms_.push_back(std::move(raised));
 }
 
-void Alarms::update(const std::function<bool(const std::string&)>& is_faulty) {
+void Alarms::update(const std::function<bool(const std::string&)>& is_faulty,
+                    const std::function<bool(const std::string&)>& is_in_cell) {
   for (Alarm& alarm : alarms_) {
     const Condition condition = condition_of(alarm);
-    if (condition != Condition::module && condition != Condition::device) continue;
-    const bool active = is_faulty(alarm.module);
+    bool active = alarm.active;
+    if (condition == Condition::module || condition == Condition::device) active = is_faulty(alarm.module);
+    if (condition == Condition::other)
+      active = active && is_in_cell(std::string{subject_of(condition, alarm.cause)});
     if (active != alarm.active) ++changes_;
     alarm.active = active;
   }

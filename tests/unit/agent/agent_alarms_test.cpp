@@ -147,6 +147,25 @@ TEST(AgentAfterARestart, StillHasTheAlarms) {
   EXPECT_EQ(device.published.devices.back().unacknowledged_alarms(), 2U);
 }
 
+TEST(AgentAfterARestart, EndsTheAlarmOfALostDeviceThatIsNoLongerInTheCell) {
+  const auto record = std::make_shared<node::FaultRecord>();
+  for (const std::string name : {"line", "former"}) {
+    model::Fault lost{.cell = "cell",
+                      .device = "robot",
+                      .kind = FaultKind::device_lost,
+                      .cause = "device " + name + " is lost: nothing arrives from its node"};
+    record->append(lost);
+  }
+  FakeDevice device{{}, false, record};
+  device.agent.note_start();
+  device.become_running();
+  device.pass(milliseconds{10});
+  for (const model::Alarm& alarm : alarms_of(device)) {
+    if (alarm.kind != FaultKind::device_lost) continue;
+    EXPECT_EQ(alarm.active, alarm.cause.find("former") == std::string::npos) << alarm.cause;
+  }
+}
+
 TEST(AgentAfterARestart, EndsTheAlarmOfALostDeviceThatIsBack) {
   const auto record = std::make_shared<node::FaultRecord>();
   model::Fault lost{.cell = "cell",

@@ -31,7 +31,8 @@ class AlarmsOfADevice : public testing::Test {
       event(FaultKind::acknowledged, alarm.module, acknowledgement_text(alarm, "anna", note));
   }
   void become(bool faulty) {
-    alarms_.update([faulty](const std::string&) { return faulty; });
+    alarms_.update([faulty](const std::string&) { return faulty; },
+                   [](const std::string& device) { return device != "removed"; });
   }
   [[nodiscard]] std::vector<std::string> states() const {
     std::vector<std::string> list;
@@ -171,6 +172,14 @@ TEST_F(AlarmsOfADevice, AreListedWorstFirst) {
   std::vector<std::string> modules;
   for (const Alarm& alarm : all) modules.push_back(alarm.module);
   EXPECT_THAT(modules, ElementsAre("newer", "older", "stale", "past", "acknowledged"));
+}
+
+TEST_F(AlarmsOfADevice, ReturnToNormalWhenALostDeviceIsRemovedFromTheCell) {
+  event(FaultKind::device_lost, "", "device line is lost: nothing arrives from its node");
+  event(FaultKind::device_lost, "", "device removed has left");
+  become(false);
+  EXPECT_THAT(states(), ElementsAre(" device-lost: unacknowledged",
+                                    " device-lost: unacknowledged, returned to normal"));
 }
 
 TEST_F(AlarmsOfADevice, ConvertToJsonAndBack) {

@@ -64,8 +64,10 @@ class Alarms {
   /// one.
   void take(const Fault& fault);
   /// Updates which alarms are active whose cause is a present state. `is_faulty` returns true if a module is
-  /// in RECOVER or was given up, and, for an empty name, if the device has failed as a whole.
-  void update(const std::function<bool(const std::string& module)>& is_faulty);
+  /// in RECOVER or was given up, and, for an empty name, if the device has failed as a whole. `is_in_cell`
+  /// returns true if another device belongs to the cell; a device that does not is not lost any more.
+  void update(const std::function<bool(const std::string& module)>& is_faulty,
+              const std::function<bool(const std::string& device)>& is_in_cell);
 
   [[nodiscard]] const std::vector<Alarm>& all() const noexcept { return alarms_; }
   /// Returns the alarms that an operator can acknowledge: those of a module, or of the device and all of its
