@@ -430,8 +430,10 @@ Octets Grammar::announcement(bool is_little) {
   other[10] = 0x55;
   put(0x15, body().u8(2).u8(3).zeros(2));
   put(0x16, body().u8(1).u8(15).zeros(2));
-  if (!breaks(Rule::announces_without_guid))
-    put(0x50, guid_of(breaks(Rule::announces_another) ? other : from_));
+  const bool without_guid = breaks(Rule::announces_without_guid);
+  const bool of_nobody = breaks(Rule::announces_nobody);
+  if (!without_guid)
+    put(0x50, guid_of(of_nobody ? Prefix{} : breaks(Rule::announces_another) ? other : from_));
   if (breaks(Rule::announces_key_of_another)) put(0x70, guid_of(other));
   std::uint64_t lease = secured ? 1 + dice_->below(100) : dice_->once_in(8) ? dice_->below(3) : 0x7fffffff;
   if (breaks(Rule::announces_no_lease)) lease = 0;
@@ -445,7 +447,8 @@ Octets Grammar::announcement(bool is_little) {
   for (std::uint64_t n = dice_->below(3); n > 0; --n) {
     const std::uint32_t parameter = discovery_parameter();
     const std::uint32_t named = parameter & ~0x4000U;
-    if (!secured || (named != 0x50 && named != 0x70 && named != 0x02) || target_ == Rule::guid_size)
+    if (!(secured || without_guid) || (named != 0x50 && named != 0x70 && named != 0x02) ||
+        target_ == Rule::guid_size)
       put_parameter(list, parameter);
   }
   put_end(list);
@@ -590,7 +593,7 @@ Grammar::Parts Grammar::discovery() {
   static const std::vector<std::uint32_t> writers{kParticipants,  kPublications,  kPublications,
                                                   kSubscriptions, kSubscriptions, kTopics};
   const std::uint32_t writer = dice_->of(writers);
-  if (writer == kParticipants && dice_->once_in(2)) return announcing();
+  if (writer == kParticipants) return announcing();
   const bool is_little = little();
   Body body{is_little};
   body.bytes = head(is_little, writer, false, 0);
@@ -999,7 +1002,9 @@ Grammar::Make Grammar::maker_of(Rule rule) const {
   if (between(Rule::prefix_size, Rule::postfix_without_length))
     return among({&G::protected_parts, &G::protected_whole});
   if (between(Rule::whole_prefix_not_first, Rule::whole_not_alone)) return &G::protected_whole;
-  if (between(Rule::announces_another, Rule::announces_long_lease)) return &G::announcing;
+  if (between(Rule::announces_another, Rule::announces_long_lease) ||
+      between(Rule::announces_without_guid, Rule::announces_nobody))
+    return &G::announcing;
   if (!certificate_.empty())
     return among({&G::protected_parts, &G::protected_parts, &G::announcing, &G::proof, &G::fragment});
   return among({&G::data, &G::data, &G::discovery, &G::discovery, &G::announcing, &G::proof, &G::fragment,

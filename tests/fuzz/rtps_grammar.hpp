@@ -75,6 +75,7 @@ struct Endpoint {
   RULE(token_binary_too_long) RULE(octets_too_long) RULE(locator_size) RULE(guid_size) \
   RULE(number_size) RULE(shorts_too_many) RULE(longs_too_many) \
   RULE(filter_text_too_long) RULE(filter_too_many) \
+  RULE(announces_without_guid) RULE(announces_nobody) \
   RULE(proof_encapsulation) RULE(proof_encapsulation_high) RULE(proof_cut) RULE(proof_class_too_long) \
   RULE(proof_too_many_tokens) RULE(proof_token_too_long) RULE(proof_of_nobody) \
   RULE(unprotected_submessage) RULE(unprotected_sample) RULE(unprotected_fragment) \
@@ -82,7 +83,7 @@ struct Endpoint {
   RULE(prefix_wrong_postfix) RULE(postfix_size) RULE(postfix_without_length) \
   RULE(whole_prefix_not_first) RULE(whole_not_alone) \
   RULE(announces_another) RULE(announces_twice) RULE(announces_key_of_another) \
-  RULE(announces_without_guid) RULE(announces_no_lease) RULE(announces_long_lease)
+  RULE(announces_no_lease) RULE(announces_long_lease)
 // clang-format on
 
 enum class Rule {

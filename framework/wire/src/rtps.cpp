@@ -271,8 +271,10 @@ void check_parameters(Cursor& list) noexcept {
 // ---- Submessages
 
 constexpr std::uint32_t kParticipants = 0x000100c2;  // entity id of the writer of participant announcements
-constexpr std::uint32_t kProofs = 0x000201c3;        // entity id of the writer of authentication messages
-constexpr std::uint32_t kMostProof = 65535;          // largest size of an authentication message, in bytes
+constexpr std::uint32_t kParticipantGuid = 0x50;     // parameter that names a participant
+constexpr std::uint32_t kKeyHash = 0x70;  // parameter with the key of a sample, for participants the GUID
+constexpr std::uint32_t kProofs = 0x000201c3;  // entity id of the writer of authentication messages
+constexpr std::uint32_t kMostProof = 65535;    // largest size of an authentication message, in bytes
 
 /// Returns true if this writer announces participants, readers or writers. Samples of such a writer contain a
 /// parameter list.
@@ -311,6 +313,21 @@ void check_proof(Cursor& message, IsCertificate is_certificate) noexcept {
     });
 }
 
+/// Checks the parameter list of an announcement of a participant. Fast DDS would accept a participant whose
+/// GUID is missing or zero, and later fail an assertion.
+void check_participant(Cursor& list) noexcept {
+  bool named = false;
+  bool known = true;
+  check_parameters(list, [&](std::uint32_t parameter, Cursor value) {
+    if (parameter == kParticipantGuid) named = true;
+    if (parameter == kParticipantGuid || parameter == kKeyHash) {
+      const auto prefix = value.bytes(12);
+      known = known && std::ranges::any_of(prefix, [](std::uint8_t byte) { return byte != 0; });
+    }
+  });
+  if (!named || !known) list.fail();
+}
+
 void check_data(Cursor& body, std::uint8_t flags, IsCertificate is_certificate) noexcept {
   constexpr std::uint8_t kKey = 8;
   Cursor copy = body;
@@ -329,10 +346,12 @@ void check_data(Cursor& body, std::uint8_t flags, IsCertificate is_certificate) 
   const int plain = encapsulation[1] - (discovers(writer) ? 2 : 0);
   if (encapsulation[0] != 0 || (plain != 0 && plain != 1)) return body.fail();
   Cursor content{body.bytes(body.left()), plain == 1};
-  if (discovers(writer))
-    check_parameters(content);
-  else
+  if (writer == kProofs)
     check_proof(content, is_certificate);
+  else if (writer == kParticipants && (flags & kData) != 0)
+    check_participant(content);
+  else
+    check_parameters(content);
   if (!content.ok()) body.fail();
 }
 
@@ -610,8 +629,6 @@ ParticipantNumber sender_of(std::span<const std::uint8_t> message) noexcept {
 
 Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
   constexpr std::uint32_t kLease = 0x02;
-  constexpr std::uint32_t kParticipant = 0x50;
-  constexpr std::uint32_t kKeyHash = 0x70;
   Announcement found;
   found.number = sender_of(message);
   const auto is_sender = [&](Cursor value) {
@@ -620,14 +637,13 @@ Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
   const auto is_announcer = [](std::uint32_t writer) { return writer == kParticipants; };
   for_each_list(message, is_announcer, [&](Cursor list) {
     bool from_itself = true;
-    bool named = false;
     check_parameters(list, [&](std::uint32_t parameter, Cursor value) {
-      if (parameter == kParticipant) named = true;
-      if (parameter == kParticipant || parameter == kKeyHash) from_itself = from_itself && is_sender(value);
+      if (parameter == kParticipantGuid || parameter == kKeyHash)
+        from_itself = from_itself && is_sender(value);
       if (parameter == kLease) found.lease_s = value.u32();
     });
     const bool again = found.of != Announcement::Of::nobody;
-    found.of = from_itself && named && !again ? Announcement::Of::sender : Announcement::Of::other;
+    found.of = from_itself && !again ? Announcement::Of::sender : Announcement::Of::other;
   });
   return found;
 }

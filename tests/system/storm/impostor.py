@@ -22,7 +22,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import attack
 from attack import DATA, DATA_FRAG, HEARTBEAT
 
-ANNOUNCES_WRITERS = 0x000003C2
+ANNOUNCES_PARTICIPANTS, ANNOUNCES_WRITERS = 0x000100C2, 0x000003C2
 TOPIC, ENDPOINT = 0x05, 0x5A
 STATUS = b"takt/device"
 
@@ -219,8 +219,21 @@ def encrypted(me, at):
                 me.send(submessage(prefix, 0, bytes(20)), submessage(0x30, 0, content), submessage(prefix + 1, 0, bytes(20)))
 
 
+def of_nobody(me, at):
+    """Announcements of a participant without a GUID, and of one whose GUID is zero. It is lost after 0.1 s."""
+    def parameter(which, value):
+        return struct.pack("<HH", which, len(value)) + value
+    locator = struct.pack("<II", 1, 7410) + bytes(12) + socket.inet_aton("127.0.0.1")
+    content = bytes((0, 3, 0, 0)) + parameter(0x15, bytes((2, 3, 0, 0))) + parameter(0x16, bytes((1, 15, 0, 0))) + \
+        parameter(0x02, struct.pack("<II", 0, 0x1999999A)) + parameter(0x31, locator) + parameter(0x32, locator)
+    for i, guid in enumerate((b"", parameter(0x50, bytes(16)), parameter(0x70, bytes(16)))):
+        me.name = b"somebody" + struct.pack("<I", at + i)
+        me.send(data(struct.pack(">I", ANNOUNCES_PARTICIPANTS), 1, content + guid + struct.pack("<HH", 1, 0)))
+    time.sleep(0.2)
+
+
 CASES = {f.__name__: f for f in (false_size, one_of_two, whole_but_invalid, many_begun, far_ahead, false_counts, nested_filter, false_types,
-                                 false_durations, encrypted)}
+                                 false_durations, encrypted, of_nobody)}
 
 
 # ---- A storm

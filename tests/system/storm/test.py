@@ -236,6 +236,9 @@ class InTheOpen(Storm):
     def test_a_cell_survives_forged_announcements_of_a_members_writer(self):
         self.survive("false_counts", "nested_filter", "false_types", "false_durations", "encrypted", rounds=2)
 
+    def test_a_cell_survives_announcements_of_a_participant_without_a_guid(self):
+        self.survive("of_nobody", rounds=2)
+
     def test_a_flood_of_forged_samples_costs_no_memory_and_no_commands(self):
         self.deploy()
         self.hold(SECONDS)

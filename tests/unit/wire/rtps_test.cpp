@@ -93,9 +93,11 @@ Body end_of_list() { return Body{}.u16(1).u16(0); }
 Body parameter(std::uint32_t which, const Body& value) {
   return Body{}.u16(which).u16(static_cast<std::uint32_t>(value.bytes.size())).add(value);
 }
-Body discovery(const Body& parameters) {
-  return data_head(kSpdpWriter).u8(0).u8(3).u16(0).add(parameters).add(end_of_list());
+Body discovery(const Body& parameters, std::uint32_t writer = 0x3c2) {
+  return data_head(writer).u8(0).u8(3).u16(0).add(parameters).add(end_of_list());
 }
+/// The GUID of a participant.
+const Body kGuid = parameter(0x50, Body{}.zeros(11).u8(1).id(0x1c1));
 bool is_discovery(const Body& parameters) { return is_rtps(message(0x15, 4, discovery(parameters))); }
 
 Body fragments(std::uint32_t first, std::uint32_t count, std::uint32_t size, std::uint32_t sample,
@@ -407,7 +409,8 @@ TEST(RtpsFilter, ChecksAnAuthenticationMessageThatWasAssembled) {
 // recursively.
 TEST(RtpsFilter, HidesParametersThatTaktDoesNotNeed) {
   const auto announcements = [](std::uint32_t writer, std::uint32_t which) {
-    const Body list = parameter(0x05, Body{}.text("takt/device"))
+    const Body list = Body{kGuid}
+                          .add(parameter(0x05, Body{}.text("takt/device")))
                           .add(parameter(which, Body{}.u32(0xffffffff).zeros(40)))
                           .add(parameter(0x07, Body{}.text("takt::DeviceStatus")))
                           .add(parameter(which, Body{}));
@@ -427,8 +430,7 @@ TEST(RtpsFilter, HidesParametersThatTaktDoesNotNeed) {
     }
     const Body filter = Body{}.text("f").text("t").text("DDSSQL").text(std::string(20000, '(')).u32(0);
     const auto filtered = [&](std::uint32_t which) {
-      return message(0x15, 4,
-                     data_head(writer).u8(0).u8(3).u16(0).add(parameter(which, filter)).add(end_of_list()));
+      return message(0x15, 4, discovery(Body{kGuid}.add(parameter(which, filter)), writer));
     };
     Bytes sent = filtered(0x35);
     ASSERT_TRUE(is_rtps(sent));
@@ -489,7 +491,7 @@ TEST(ProtectedRtps, MayBeEncryptedAsAWholeOrInEachSubmessage) {
 }
 
 TEST(ProtectedRtps, OnlyDiscoveryAndAuthenticationMayBeUnencrypted) {
-  EXPECT_TRUE(is_protected(message(0x15, 4, discovery({}))));
+  EXPECT_TRUE(is_protected(message(0x15, 4, discovery(kGuid, kSpdpWriter))));
   EXPECT_TRUE(is_protected(message(0x15, 4, proof(0, Body{}))));
   EXPECT_TRUE(is_protected(message(0x81, 0, Body{}.zeros(8)))) << "submessages of vendors are skipped";
   for (const std::uint32_t writer : {0x103U, 0x2c2U, 0x3c2U, 0x4c2U, 0x200c2U, 0xff0202c3U}) {
@@ -558,7 +560,6 @@ Bytes announcement(const Body& parameters, std::uint8_t flags = 4, const Body& i
 }
 /// The GUID of the participant that header() names as the sender.
 const Body kSelf = parameter(0x50, Body{}.zeros(12).id(0x1c1));
-const Body kOther = parameter(0x50, Body{}.zeros(11).u8(1).id(0x1c1));
 const Body kLease = parameter(0x02, Body{}.u32(20).u32(0));
 
 TEST(Announcement, MustComeFromTheAnnouncedParticipant) {
@@ -569,14 +570,13 @@ TEST(Announcement, MustComeFromTheAnnouncedParticipant) {
   EXPECT_EQ(one.lease_s, 20U);
   EXPECT_EQ(one.number, ParticipantNumber{});
   EXPECT_EQ(announcement_in(announcement(kSelf)).lease_s, ~0U) << "without a lease: for ever";
-  EXPECT_EQ(of(kOther), Of::other);
-  EXPECT_EQ(of(Body{kSelf}.add(kOther)), Of::other) << "two GUIDs, and Fast DDS might take either";
+  EXPECT_EQ(of(kGuid), Of::other);
+  EXPECT_EQ(of(Body{kSelf}.add(kGuid)), Of::other) << "two GUIDs, and Fast DDS might take either";
   EXPECT_EQ(of(Body{kSelf}.add(parameter(0x70, Body{}.zeros(11).u8(1).zeros(4)))), Of::other)
       << "the key hash differs";
-  EXPECT_EQ(of(kLease), Of::other) << "it names no participant";
 
   Bytes two = announcement(kSelf);
-  append(two, 0x15, discovery(kSelf), 4);
+  append(two, 0x15, discovery(kSelf, kSpdpWriter), 4);
   EXPECT_EQ(announcement_in(two).of, Of::other) << "two announcements";
   EXPECT_EQ(announcement_in(header()).of, Of::nobody);
   EXPECT_EQ(announcement_in(message(0x15, 4, data_head().zeros(4))).of, Of::nobody);
@@ -598,14 +598,29 @@ TEST(ConcernsParticipants, IsTrueForAnnouncementsAndFarewells) {
   EXPECT_FALSE(concerns_participants(header()));
   EXPECT_FALSE(concerns_participants(message(0x15, 4, data_head().zeros(4)))) << "data of another writer";
   Bytes second = message(0x15, 4, data_head().zeros(4));
-  append(second, 0x15, discovery(kSelf), 4);
+  append(second, 0x15, discovery(kSelf, kSpdpWriter), 4);
   EXPECT_TRUE(concerns_participants(second)) << "in the second submessage";
 }
 
 TEST(Announcement, IsReadAsFastDdsReadsIt) {
   const Body other_lease = parameter(0x4002, Body{}.u32(5).u32(0));
   EXPECT_EQ(announcement_in(announcement(Body{kSelf}.add(kLease).add(other_lease))).lease_s, 20U);
-  EXPECT_EQ(announcement_in(announcement(parameter(0x4050, Body{}.zeros(16)))).of, Announcement::Of::other);
+}
+
+// Fast DDS would accept the participant, and later fail an assertion.
+TEST(RtpsFilter, RejectsAnAnnouncementWithoutTheGuidOfAParticipant) {
+  const Body nobody = parameter(0x50, Body{}.zeros(12).id(0x1c1));
+  const Body hash = parameter(0x70, Body{}.zeros(11).u8(1).id(0x1c1));
+  const auto is_accepted = [](const Body& parameters) { return is_rtps(announcement(parameters)); };
+  EXPECT_TRUE(is_accepted(Body{kLease}.add(kGuid)));
+  EXPECT_TRUE(is_accepted(Body{kGuid}.add(hash)));
+  EXPECT_FALSE(is_accepted(kLease));
+  EXPECT_FALSE(is_accepted(hash));
+  EXPECT_FALSE(is_accepted(parameter(0x4050, Body{}.zeros(11).u8(1).id(0x1c1)))) << "Fast DDS ignores it";
+  EXPECT_FALSE(is_accepted(nobody));
+  EXPECT_FALSE(is_accepted(Body{kGuid}.add(nobody))) << "the last one counts";
+  EXPECT_FALSE(is_accepted(Body{kGuid}.add(parameter(0x70, Body{}.zeros(16)))));
+  EXPECT_TRUE(is_rtps(announcement(kLease, 8))) << "only a key: the participant leaves";
 }
 
 TEST(RtpsFilter, RejectsFragmentsOutsideTheirSampleOrWithoutContent) {
