@@ -122,6 +122,15 @@ class Trespasses(takt_system.Case):
         self.assertEqual(LIFE, run.states("grid"))
         self.assertEqual(LIFE, run.states("other"))
 
+    def test_a_module_may_close_the_file_descriptors_that_it_has_opened(self):
+        # The host has closed the descriptor of the only component before, so the module gets the same number.
+        run = self.start("run", self.write("cell.xml", '<cell name="cell"><device name="d">%s</device></cell>' %
+                                           MODULE % ("culprit", "close own", "run", 10)), "--json")
+        run.wait_for_state("culprit", "EXECUTING")
+        wait_until(lambda: self.module()["cycles"] > 20, "the module to close its descriptor")
+        self.end(run, 0)
+        self.assertEqual(LIFE, run.states("culprit"))
+
     def test_a_hook_that_calls_pthread_exit_fails(self):
         reason = r"it called pthread_exit\(\) in a thread of the host; return from the hook instead"
         run = self.takt("run", self.cell(("culprit", "pthread_exit", "initialize", 0)), "--for", "5", "--json")
