@@ -4,7 +4,7 @@ its files in a folder of the test."""
 import os
 
 from selenium import webdriver
-from selenium.common.exceptions import WebDriverException
+from selenium.common.exceptions import StaleElementReferenceException, WebDriverException
 from selenium.webdriver.chrome.options import Options
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
@@ -117,7 +117,13 @@ class Browser:
 
     def click(self, selector):
         """Clicks at the position of the element. If another element covers it, that other element gets the click."""
-        self.driver.find_element("css selector", selector).click()
+        def clicked():
+            try:
+                self.driver.find_element("css selector", selector).click()
+                return True
+            except StaleElementReferenceException:  # the page has just replaced the element
+                return False
+        wait_until(clicked, "a click on %s" % selector)
 
     def write(self, selector, text):
         field = self.driver.find_element("css selector", selector)

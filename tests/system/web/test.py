@@ -654,7 +654,9 @@ class Web(takt_system.Case):
         self.assertRegex(told[-1], r"^[\d:.]+ line\.fails: error: failure .*run")
         page.wait_for("tr.selected .what", "failure")
         self.assertEqual("true", page.attribute("#tab-faults", "aria-selected"), "the view Cell shows no past")
-        self.assertRegex(page.texts(".faults tbody tr")[0], "failure", "the list begins at the instant")
+        listed = "\n".join(page.texts(".faults tbody tr"))
+        self.assertRegex(listed, "failure", "the list has the event")
+        self.assertNotRegex(listed, r"tuned\s*command", "the list begins at the instant; the command is newer")
         page.wait_for(".tools [role=status]", "; until [\\d:.]+$")
         failed = at()
 
@@ -1017,7 +1019,8 @@ class Web(takt_system.Case):
         page.wait_for("[data-device=line] li", "^fails.*RECOVER, alarm$")
         self.assertEqual(["line", "robot"], page.texts(".tiles h2"), "the worst device is first")
         # The sink may lose its connection for a moment while the cell begins.
-        page.wait_for(".wall-view > .mark", r"line\.(fails: failure|sink: connection-lost)")
+        # On a busy machine, the last event is that an executor skipped rows.
+        page.wait_for(".wall-view > .mark", r"line\.(fails: failure|sink: connection-lost)|: missed-rows")
         small = page.script("""
             return [...document.querySelectorAll("body *")].filter((one) => one.checkVisibility() && [...one.childNodes]
                 .some((node) => node.nodeType === Node.TEXT_NODE && node.data.trim()) && one.getBoundingClientRect().width > 1)
