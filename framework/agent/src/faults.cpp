@@ -182,6 +182,7 @@ void Agent::acknowledge(const wire::WholeCommand& command) {
   const std::string module = command.head.module_name().to_string();
   const auto alarms = alarms_.unacknowledged(module, asked->alarm);
   if (alarms.empty()) {
+    if (!module.empty() && deployment_ && !module_of(command.head)) return;
     return answer(command.head, REPLY_REFUSED,
                   (module.empty() ? "device " + options_.device + " and its modules have"
                                   : "module " + options_.device + "." + module + " has") +

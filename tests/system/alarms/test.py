@@ -38,6 +38,7 @@ class Alarms(takt_system.Case):
         self.assertRegex(self.takt("alarms").out, r"^X line\.fails +error +unacknowledged, since \d{4}-.*\n +failure: ")
         self.assertIn("\n  1 unacknowledged alarm; takt alarms lists them\n", self.takt("status").out)
         self.refused({"acknowledge line.source": "module line.source has no unacknowledged alarm",
+                      "acknowledge line.fials": "device line has no module 'fials'; did you mean fails",
                       "acknowledge nobody": "device nobody",
                       "acknowledge line.fails --note " + "x" * 256: "the note has 256 bytes, but may have at most 255"})
 
