@@ -11,7 +11,6 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <takt/agent/agent.hpp>
-#include <takt/core/words.hpp>
 #include <takt/transaction/transaction.hpp>
 
 namespace takt::agent {
@@ -36,7 +35,7 @@ struct Agent::Transaction {
 /// client gives. This name has no ':', because the fault record writes ": " after it.
 [[nodiscard]] inline std::string sender_of(const wire::WholeCommand& command) {
   if (!command.who.empty()) return command.who;
-  std::string name = on_one_line(command.head.value().to_string());
+  std::string name = command.head.value().to_string();
   std::ranges::replace(name, ':', '_');
   return name.empty() ? "an unknown client" : name;
 }

@@ -103,7 +103,7 @@ TEST(Agent, RejectsExtremeTimesInCommandsWithoutOverflow) {
   }
 }
 
-TEST(Agent, ForcesAnInputForAtMostAnHourAndSaysWhoAsked) {
+TEST(Agent, LimitsAForceToOneHourAndNamesTheOperator) {
   FakeDevice device;
   device.become_running();
   wire::WholeCommand force = device.command(COMMAND_FORCE);

@@ -215,7 +215,7 @@ TEST_P(ForcedLink, AcceptsAValueAfterItsReaderDiedWhileItDecoded) {
   EXPECT_TRUE(force(kValue + 1));
 }
 
-TEST_P(ForcedLink, RejectsAValueThatIsTooLarge) {
+TEST_P(ForcedLink, RejectsATooLargeValue) {
   connect();
   const std::vector<std::byte> large(PortType<Sample>::info.max_size + 1);
   EXPECT_FALSE(link().force(1, large, kAlways));
