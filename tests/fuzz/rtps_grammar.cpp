@@ -816,8 +816,11 @@ Grammar::Parts Grammar::nack_frag() {
   std::int64_t number = number_near(static_cast<std::int64_t>(1 + dice_->below(8)));
   if (breaks(Rule::nack_frag_number_low)) number = low();
   if (breaks(Rule::nack_frag_number_high)) number = high();
-  body.number(number).u32(breaks(Rule::nack_frag_base_0) ? 0
-                                                         : std::max<std::uint64_t>(1, edge() & 0xffffffffU));
+  constexpr std::uint64_t kMostBase = 0xfffffeff;
+  std::uint64_t base = std::clamp<std::uint64_t>(edge() & 0xffffffffU, 1, kMostBase);
+  if (breaks(Rule::nack_frag_base_0)) base = 0;
+  if (breaks(Rule::nack_frag_base_high)) base = kMostBase + 1 + dice_->below(256);
+  body.number(number).u32(base);
   put_set(body, 0);
   if (target_ != Rule::set_cut && !breaks(Rule::count_missing)) body.u32(++count_);
   if (breaks(Rule::fixed_part_cut)) cut(body, 23);

@@ -56,7 +56,8 @@ struct Endpoint {
   RULE(acknack_base_negative) RULE(acknack_base_high) RULE(set_too_many_bits) RULE(set_cut) \
   RULE(count_missing) \
   RULE(gap_start_low) RULE(gap_start_high) RULE(gap_base_before_start) RULE(gap_base_high) \
-  RULE(nack_frag_number_low) RULE(nack_frag_number_high) RULE(nack_frag_base_0) \
+  RULE(nack_frag_number_low) RULE(nack_frag_number_high) RULE(nack_frag_base_high) \
+  RULE(nack_frag_base_0) \
   RULE(heartbeat_frag_number_low) RULE(heartbeat_frag_number_high) RULE(heartbeat_frag_last_0) \
   RULE(reply_locators) RULE(reply_second_locators) RULE(body_size) RULE(postfix_readers) \
   RULE(data_offset_low) RULE(data_offset_beyond) RULE(data_offset_negative) RULE(data_number_low) \

@@ -12,6 +12,9 @@ constexpr std::size_t kHeader = 20;
 constexpr std::uint32_t kMostBits = 256;  // largest number of bits in a set of sequence or fragment numbers
 // The largest accepted sequence number. Fast DDS adds small numbers to it, and must not overflow.
 constexpr std::int64_t kMostNumber = std::int64_t{1} << 62;
+// The largest accepted base of a set of fragment numbers. If a number in the set overflowed, Fast DDS would
+// send fragment 1 in an endless loop.
+constexpr std::uint32_t kMostFragment = 0xffffffff - kMostBits;
 
 /// Reads values from a sequence of bytes in one byte order. If the bytes end within a value, this value and
 /// all later values are 0.
@@ -417,7 +420,7 @@ bool is_submessage(std::uint8_t kind, std::uint8_t flags, Cursor body,
     case 0x12:  // NACK_FRAG
       body.skip(8);
       static_cast<void>(body.sequence(1));
-      if (body.u32() == 0) body.fail();
+      if (const std::uint32_t base = body.u32(); base == 0 || base > kMostFragment) body.fail();
       body.bits();
       body.skip(4);
       break;

@@ -581,6 +581,25 @@ std::size_t resident_bytes() {
   return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
 
+// Fast DDS would send fragment 1 to this reader in an endless loop: 0xfffffff1 + 16 overflows to it.
+TEST_F(DdsGateway, DoesNotSendFragmentsWhoseNumbersOverflow) {
+  const Memory memory{queue(64, kWake)};
+  const auto id = gateway_->add_outgoing(flow("doubted", kReliable), memory.link());
+  ASSERT_TRUE(id.ok());
+  Peer doubting{{"doubt", "doubted"}};
+  Peer tap{{"tap", "doubted", "reliable", "64"}};
+  ASSERT_TRUE(soon([&] { return health(*id).matched == 2; }));
+  channel::LinkWriter writer{memory.link()};
+  write(writer, bytes_of(1, 0, 50000));
+  ASSERT_TRUE(tap.prints("sample 1"));
+  const std::uint64_t before = participant_->refused();
+  doubting.write("12 01 " + number(1) + hex(0xfffffff1, 4) + hex(32, 4) + "00800000" + hex(1000, 4));
+  ASSERT_TRUE(doubting.prints("sent"));
+  EXPECT_TRUE(soon([&] { return participant_->refused() > before; }));
+  write(writer, bytes_of(2, 0, 50000));
+  EXPECT_TRUE(tap.prints("sample 2"));
+}
+
 class DeceivedGateway : public DdsGateway {
  protected:
   /// Makes a reader and a peer whose writer matches it.

@@ -503,6 +503,41 @@ void deceive(const Participant& participant, const Arguments& arguments) {
   mine.release(topic);
 }
 
+// Command `doubt TOPIC`: creates a reader of test::Sample that acknowledges nothing, and waits for its
+// writer. For each input line "KIND FLAGS AFTER", sends a submessage like `deceive`, in the name of this
+// reader: the ids of the reader and of the writer, and the bytes AFTER
+void doubt(const Participant& participant, const Arguments& arguments) {
+  dds::OwnParticipant& mine = dds::own(*participant);
+  auto* topic = must(mine.topic(arguments[0], dds::fast::TypeSupport{new ForgedType{"test::Sample", false}}));
+  dds::fast::DataReaderQos qos;
+  qos.reliability().kind = dds::fast::RELIABLE_RELIABILITY_QOS;
+  qos.data_sharing().off();
+  qos.reliable_reader_qos().times.heartbeatResponseDelay = dds::duration(1h);
+  auto* reader = mine.make_reader(topic, qos, nullptr, dds::fast::StatusMask::none(), dds::Receives::alone);
+  dds::fast::SubscriptionMatchedStatus status;
+  do {
+    std::this_thread::sleep_for(10ms);
+    reader->get_subscription_matched_status(status);
+  } while (status.current_count < 1);
+  const dds::rtps::GUID_t writer = dds::rtps::iHandle2GUID(status.last_publication_handle);
+  const dds::rtps::GUID_t guid = reader->guid();
+  const Forger forger{mine.participant().get_domain_id(), guid.guidPrefix};
+  print("ready");
+  for (std::string line = next_line(); line != "end"; line = next_line()) {
+    std::istringstream words{line};
+    std::string kind, flags, after;
+    words >> kind >> flags >> after;
+    std::vector<std::byte> content;
+    for (const auto* id : {&guid.entityId, &writer.entityId})
+      for (const auto byte : id->value) content.push_back(static_cast<std::byte>(byte));
+    for (const std::byte byte : bytes_of_hex(after)) content.push_back(byte);
+    forger.send(bytes_of_hex(kind + flags), content);
+    print("sent");
+  }
+  mine.end(reader);
+  mine.release(topic);
+}
+
 dds::Quality quality(const std::string& reliability, const std::string& depth) {
   return {.reliable = reliability == "reliable",
           .depth = static_cast<std::uint32_t>(std::stoul(depth)),
@@ -685,6 +720,7 @@ int run(int domain, const std::string& command, const Arguments& arguments) {
       {"all", all},
       {"keys", keys},
       {"deceive", deceive},
+      {"doubt", doubt},
       {"returning", returning},
       {"watch", watch}};
   int status = 0;

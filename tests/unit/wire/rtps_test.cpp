@@ -640,6 +640,15 @@ TEST(RtpsFilter, RejectsFragmentsOutsideTheirSampleOrWithoutContent) {
   EXPECT_FALSE(fits(fragments(0xffffffff, 0xffff, 0xffff, 0xffffffff, 100)));
 }
 
+TEST(RtpsFilter, RejectsRequestsForFragmentsWhoseNumbersMayOverflow) {
+  const auto request = [](std::uint32_t base) {
+    return is_rtps(message(0x12, 0, Body{}.zeros(8).number(1).u32(base).u32(1).zeros(4).u32(1)));
+  };
+  EXPECT_FALSE(request(0));
+  EXPECT_TRUE(request(0xffffffff - 256));
+  EXPECT_FALSE(request(0xffffffff - 255));
+}
+
 TEST(RtpsFilter, ReadsBothByteOrders) {
   Bytes big = header();
   const std::vector<std::uint8_t> heartbeat{0x07, 0, 0, 28, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
