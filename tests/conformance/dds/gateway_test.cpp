@@ -764,6 +764,27 @@ class DeceivedReader : public DeceivedGateway {
   }
   /// Returns the number of samples that the reader has got, valid or not.
   [[nodiscard]] std::uint64_t samples() const { return received_ + reader_->refused(); }
+  /// Lets the reader wait for a missing sample, fills its history, and then calls `send_older` to send it
+  /// samples of the same key, whose time is before 100 s.
+  template <class SendOlder>
+  void expect_that_older_samples_are_freed(SendOlder&& send_older) {
+    FaultEvent event;
+    event.path("cell/robot");
+    event.cause(std::string(500, 'x'));
+    constexpr std::size_t kOlder = 500;
+    std::size_t used = 0;
+    std::uint64_t sequence = 1;
+    for (std::uint32_t round = 1; round <= 2; ++round) {
+      ++sequence;  // the sample before is missing, so that the following ones wait
+      for (int i = 0; i < 64; ++i) send(data(sequence++, bytes_of(event)) + " 100");
+      for (std::size_t i = 0; i < kOlder; ++i) send_older(sequence++, bytes_of(event));
+      send(heartbeat(sequence, 1000 + round));
+      ASSERT_TRUE(soon([&] { return samples() == 64 * round; })) << samples();
+      const std::size_t now = ::mallinfo2().uordblks;
+      EXPECT_TRUE(round == 1 || now < used + kOlder * 500) << used << " " << now;
+      used = now;
+    }
+  }
 
  private:
   std::atomic<std::uint64_t> received_{0};
@@ -771,22 +792,19 @@ class DeceivedReader : public DeceivedGateway {
 };
 
 TEST_F(DeceivedReader, FreesSamplesThatAreOlderThanAllWaitingSamplesOfTheirKey) {
-  FaultEvent event;
-  event.path("cell/robot");
-  event.cause(std::string(500, 'x'));
-  constexpr std::size_t kOlder = 500;
-  std::size_t used = 0;
-  std::uint64_t sequence = 1;
-  for (std::uint32_t round = 1; round <= 2; ++round) {
-    ++sequence;  // the sample before is missing, so that the following ones wait
-    for (int i = 0; i < 64; ++i) send(data(sequence++, bytes_of(event)) + " 100");
-    for (std::size_t i = 0; i < kOlder; ++i) send(data(sequence++, bytes_of(event)) + " 50");
-    send(heartbeat(sequence, 1000 + round));
-    ASSERT_TRUE(soon([&] { return samples() == 64 * round; })) << samples();
-    const std::size_t now = ::mallinfo2().uordblks;
-    EXPECT_TRUE(round == 1 || now < used + kOlder * 500) << used << " " << now;
-    used = now;
-  }
+  expect_that_older_samples_are_freed([this](std::uint64_t sequence, const std::vector<std::byte>& bytes) {
+    send(data(sequence, bytes) + " 50");
+  });
+}
+
+TEST_F(DeceivedReader, FreesFragmentedSamplesThatAreOlderThanAllWaitingSamplesOfTheirKey) {
+  expect_that_older_samples_are_freed([this](std::uint64_t sequence, const std::vector<std::byte>& bytes) {
+    constexpr std::ptrdiff_t kSize = 400;
+    const std::string sizes = hex(1, 2) + hex(kSize, 2) + hex(bytes.size(), 4);
+    const std::string head = "16 01 00001c00 " + number(sequence);
+    send(head + hex(1, 4) + sizes + hex({bytes.begin(), bytes.begin() + kSize}) + " 0 50");
+    send(head + hex(2, 4) + sizes + hex({bytes.begin() + kSize, bytes.end()}) + " 0 50");
+  });
 }
 
 TEST_F(DeceivedReader, RefusesALongSampleThatWouldHaveToWait) {

@@ -34,10 +34,14 @@ class WriterProxy {
 
 namespace eprosima::fastdds::dds::detail {
 
+struct DataReaderInstance;  // the samples of one key
+
 // The samples of a reader. Fast DDS does not install the header of this class either.
 class DataReaderHistory : public fastrtps::rtps::ReaderHistory {
   bool received_change_keep_last(fastrtps::rtps::CacheChange_t* sample, std::size_t missing,
                                  SampleRejectedStatusKind& why);
+  bool completed_change_keep_last(fastrtps::rtps::CacheChange_t* sample, DataReaderInstance& same_key,
+                                  std::size_t missing, SampleRejectedStatusKind& why);
 };
 
 }  // namespace eprosima::fastdds::dds::detail
@@ -203,6 +207,15 @@ bool make_room(rtps::ReaderHistory& history, const rtps::CacheChange_t& part) {
 // The sample that a reader drops on this thread, because it is older than all waiting samples of its key.
 thread_local rtps::CacheChange_t* too_old = nullptr;
 
+/// Lets `receive` pass a sample to this reader, and frees the sample if the reader drops it.
+template <class Receive>
+bool receive(rtps::RTPSReader& reader, Receive&& receive) {
+  rtps::CacheChange_t* const outer = std::exchange(too_old, nullptr);
+  const bool is_taken = receive();
+  if (rtps::CacheChange_t* const dropped = std::exchange(too_old, outer)) reader.releaseCache(dropped);
+  return is_taken;
+}
+
 // The reader that passes samples to its listener on this thread, and its history.
 struct Notifying {
   rtps::StatefulReader* reader;
@@ -283,10 +296,7 @@ bool StatefulReader::processDataMsg(CacheChange_t* sample) {
       if (ahead > 0 && sample->serializedPayload.length > largest_sample(*this, *mp_history)) return refuse();
     }
   }
-  CacheChange_t* const outer = std::exchange(too_old, nullptr);
-  const bool is_taken = originals().data(this, sample);
-  if (CacheChange_t* const dropped = std::exchange(too_old, outer)) releaseCache(dropped);
-  return is_taken;
+  return receive(*this, [&] { return originals().data(this, sample); });
 }
 
 bool StatefulReader::processDataFragMsg(CacheChange_t* part, std::uint32_t sample, std::uint32_t first,
@@ -312,7 +322,8 @@ bool StatefulReader::processDataFragMsg(CacheChange_t* part, std::uint32_t sampl
       forget(*mp_history, *begun);
     }
   }
-  if (!is_whole) return originals().fragments(this, part, sample, first, count);
+  if (!is_whole)
+    return receive(*this, [&] { return originals().fragments(this, part, sample, first, count); });
   // Fast DDS would handle this sample twice: when it stores the first fragment, and when no fragment is
   // missing. The second time, the sample may already be gone.
   storing.unlock();
@@ -385,6 +396,17 @@ bool DataReaderHistory::received_change_keep_last(fastrtps::rtps::CacheChange_t*
                                                   SampleRejectedStatusKind& why) {
   const bool is_received = originals().receive(this, sample, missing, why);
   if (is_received && find_change_nts(sample) == changesEnd()) too_old = sample;
+  return is_received;
+}
+
+// Adds a sample of which the last fragment has arrived. It is already in the history, but not under its key.
+// If Fast DDS drops it as too old, it would stay in the history. So it is added like a sample without
+// fragments.
+bool DataReaderHistory::completed_change_keep_last(fastrtps::rtps::CacheChange_t* sample, DataReaderInstance&,
+                                                   std::size_t missing, SampleRejectedStatusKind& why) {
+  History::remove_change_nts(find_change_nts(sample), false);
+  const bool is_received = received_change_keep_last(sample, missing, why);
+  if (!is_received) too_old = sample;
   return is_received;
 }
 
