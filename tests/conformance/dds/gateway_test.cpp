@@ -786,7 +786,6 @@ class DeceivedReader : public DeceivedGateway {
     }
   }
 
- private:
   std::atomic<std::uint64_t> received_{0};
   std::optional<dds::Reader<FaultEvent>> reader_;
 };
@@ -805,6 +804,31 @@ TEST_F(DeceivedReader, FreesFragmentedSamplesThatAreOlderThanAllWaitingSamplesOf
     send(head + hex(1, 4) + sizes + hex({bytes.begin(), bytes.begin() + kSize}) + " 0 50");
     send(head + hex(2, 4) + sizes + hex({bytes.begin() + kSize, bytes.end()}) + " 0 50");
   });
+}
+
+// Fast DDS compares samples of one writer by their numbers, but samples of two writers by their times.
+TEST_F(DeceivedReader, PresentsWaitingSamplesOfAWriterWhoseClockIsSetBack) {
+  const auto of = [](const char* path) {
+    FaultEvent event;
+    event.path(path);
+    return bytes_of(event);
+  };
+  Peer other{{"deceive", "takt/fault", "reliable", "takt::FaultEvent"}};
+  const auto send_other = [&](const std::string& packet) {
+    other.write(packet);
+    ASSERT_TRUE(other.prints("sent"));
+  };
+  ASSERT_TRUE(soon([&] { return reader_->matched() == 2; }));
+  send_other(data(2, of("cell/station")) + " 50");
+  send_other(data(3, of("cell/station")) + " 60");
+  send_other(data(4, of("cell/station")) + " 70");
+  send(data(2, of("cell/line")) + " 100");
+  send_other(data(5, of("cell/station")) + " 110");
+  send(data(3, of("cell/robot")) + " 10");
+  send(data(1, of("cell/robot")) + " 9");
+  EXPECT_TRUE(soon([&] { return samples() == 3; })) << samples();
+  send(data(4, of("cell/line")) + " 11");
+  EXPECT_TRUE(soon([&] { return samples() == 4; })) << samples();
 }
 
 TEST_F(DeceivedReader, RefusesALongSampleThatWouldHaveToWait) {

@@ -340,6 +340,28 @@ bool StatefulReader::processDataFragMsg(CacheChange_t* part, std::uint32_t sampl
   return is_taken;
 }
 
+// Finds the sample with this number, or else the one with the next larger number. Fast DDS assumes that the
+// samples of a writer are stored in the order of their numbers. But it compares those of two writers by their
+// times, so that the order is wrong after the clock of a writer was set back while its samples waited. Then
+// Fast DDS would not count a sample as new, but let the listener take it, and with the next sample of its
+// key, an assertion would end the process.
+History::const_iterator History::get_change_nts(const SequenceNumber_t& number, const GUID_t& writer,
+                                                CacheChange_t** sample, const_iterator hint) const {
+  *sample = nullptr;
+  const_iterator best = m_changes.end();
+  for (const auto& [begin, end] : {std::pair{hint, m_changes.end()}, std::pair{m_changes.begin(), hint}}) {
+    for (const_iterator each = begin; each != end; ++each) {
+      if ((*each)->writerGUID != writer || (*each)->sequenceNumber < number) continue;
+      if ((*each)->sequenceNumber == number) {
+        *sample = *each;
+        return each;
+      }
+      if (best == m_changes.end() || (*each)->sequenceNumber < (*best)->sequenceNumber) best = each;
+    }
+  }
+  return best;
+}
+
 // Adds a sample. The reader may have fragments of another sample with the same number. Fast DDS would confuse
 // the two, and an assertion would end the process.
 bool ReaderHistory::add_change(CacheChange_t* sample) {
