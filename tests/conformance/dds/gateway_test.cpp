@@ -833,8 +833,10 @@ TEST_F(DeceivedReader, PresentsWaitingSamplesOfAWriterWhoseClockIsSetBack) {
 
 TEST_F(DeceivedReader, RefusesALongSampleThatWouldHaveToWait) {
   const std::uint64_t before = participant_->refused();
-  send(data(2, std::vector<std::byte>(10000)));
-  EXPECT_TRUE(soon([&] { return participant_->refused() > before; }));
+  EXPECT_TRUE(soon([&] {
+    send(data(2, std::vector<std::byte>(10000)));
+    return participant_->refused() > before;
+  }));
 }
 
 TEST_F(DeceivedReader, ForgetsTheFragmentsOfSamplesThatAGapSkips) {

@@ -403,6 +403,15 @@ TEST(RtpsFilter, ChecksAnAuthenticationMessageThatWasAssembled) {
   EXPECT_FALSE(is_readable_proof(content(proof(1, token("c.id", "pem"), 3)))) << "a parameter list";
   for (std::size_t n = 0; n < whole.size() - 1; ++n)
     EXPECT_FALSE(is_readable_proof(std::span{whole}.first(n))) << n;
+  // This content is readable in both byte orders.
+  const auto encapsulated = [](std::uint8_t high, std::uint8_t low) {
+    Bytes empty{high, low};
+    empty.resize(4 + 96 + 4 + 4);
+    return is_readable_proof(empty);
+  };
+  EXPECT_TRUE(encapsulated(0, 0) && encapsulated(0, 1));
+  EXPECT_FALSE(encapsulated(0, 2));
+  EXPECT_FALSE(encapsulated(1, 0));
 }
 
 // Fast DDS builds an object for each description of a type, however wrong, and parses a content filter
