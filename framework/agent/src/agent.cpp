@@ -192,6 +192,7 @@ DeviceStatus Agent::status() const {
     status.stage(unsaved ? STAGE_RUNNING : static_cast<TransactionStage>(newest->state.stage));
     status.t0_ns(newest->state.t0_ns);
   }
+  add_clock(status);
   return status;
 }
 

@@ -80,14 +80,27 @@ std::optional<ClockBounds> Agent::ahead(const std::string& device) const {
   return ClockBounds{.low_ns = bounds->low_ns - own, .high_ns = bounds->high_ns - own};
 }
 
+// Returns bounds on the wall clock of the first device of the cell minus the wall clock of this device. None
+// if this is not known, and for a cell of one device.
+std::optional<ClockBounds> Agent::first_ahead() const {
+  if (present() == nullptr || present()->cell.devices.size() < 2) return std::nullopt;
+  const std::string& first = present()->cell.devices.front().name;
+  return first == options_.device ? ClockBounds{} : ahead(first);
+}
+
+void Agent::add_clock(DeviceStatus& status) const {
+  const auto bounds = first_ahead();
+  if (!bounds) return;
+  status.clock_offset_ns(-middle(*bounds));
+  status.clock_error_ns(half_width(*bounds));
+}
+
 // Returns how far the clock of this device is ahead of the clock of the first device of the cell; null if
 // this is not known, and for a cell of one device.
 json Agent::clock_report() const {
-  if (present() == nullptr || present()->cell.devices.size() < 2) return nullptr;
-  const std::string& first = present()->cell.devices.front().name;
-  const auto bounds = first == options_.device ? ClockBounds{} : ahead(first);
+  const auto bounds = first_ahead();
   if (!bounds) return nullptr;
-  return {{"reference", first},
+  return {{"reference", present()->cell.devices.front().name},
           {"offset_us", static_cast<double>(-middle(*bounds)) / 1000},
           {"bound_us", static_cast<double>(half_width(*bounds)) / 1000}};
 }

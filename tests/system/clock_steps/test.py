@@ -4,6 +4,7 @@ import re
 import signal
 import sys
 import time
+import urllib.request
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import networks
@@ -213,6 +214,26 @@ class ClockSteps(takt_system.Case):
         wait_until(lambda: "clocks-agree" in self.done("log --kind clocks-agree")[0], "the event")
         self.done("undeploy delayed")
         self.end(self.nodes_of_cell)
+
+    def test_the_metrics_show_how_far_the_clock_of_a_device_differs(self):
+        self.start_cell()
+        web = self.start("web", "--port", "0")
+        web.wait_for_out(r"http://")
+        address = re.search(r"http://\S+/", web.out)[0]
+
+        def measured(seconds):
+            with urllib.request.urlopen(address + "metrics", timeout=takt_system.LONG) as answer:
+                told = re.findall(r'^takt_device_clock_offset(_error)?_seconds{cell="cell",device="(\w+)"} (\S+)$', answer.read().decode(), re.M)
+            found = {what: float(value) for what, device, value in told if device == "line"}
+            self.assertEqual(len(found), len(told), "the clock of the first device differs from no other: %s" % told)
+            return found and found["_error"] < 0.1 and abs(found[""] - seconds) <= found["_error"] + 1e-3
+        for seconds in (0, 0.5, -HOUR, 0):
+            with self.subTest(seconds):
+                self.line.set_by(seconds)
+                wait_until(lambda: measured(seconds), "the metrics to contain the offset")
+        web.signal(signal.SIGTERM)
+        self.assertEqual(0, web.wait().status, web.err)
+        self.end_cell()
 
 
 class FarDevices(networks.NetworkCase):

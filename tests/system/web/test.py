@@ -12,6 +12,7 @@ import urllib.request
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
+from shifted_clock import WallClock
 from takt_system import wait_until
 
 from selenium.webdriver.common.action_chains import ActionChains
@@ -142,6 +143,24 @@ class Web(takt_system.Case):
             self.assertEqual(400, self.post("api/acknowledge", body), body)
         self.assertEqual(409, self.post("api/acknowledge", {"device": "line", "alarm": "0", "note": "x" * 256}))
         self.assertEqual(403, self.post("api/acknowledge", {"device": "line", "alarm": "0"}, token=""))
+        self.finish(web)
+
+    def test_the_details_of_a_device_show_how_far_its_clock_differs(self):
+        clock = WallClock(os.path.join(self.folder, "clock"))
+        web = self.serve()
+        self.running = {"robot": self.node("robot"), "line": self.node("line", environment=clock.environment)}
+        self.deploy("cell.xml")
+        page = self.look("#/cell?select=robot")
+        page.wait_for("#details h2", "^robot$")
+        page.wait_for("#details [data-of='host restarts']", "^0$")
+        self.assertEqual([], page.texts("#details [data-of='wall clock']"), "robot is the first device")
+        page.go("#/cell?select=line")
+        page.wait_for("#details [data-of='wall clock']", r"^\d+ ms (ahead of|behind) that of robot \(±\d+ ms\)$")
+        for seconds, words in ((-2, "behind"), (2, "ahead of")):
+            clock.set_by(seconds)
+            page.wait_for("#details [data-of='wall clock']", r"^(19|20)\d\d ms %s that of robot \(±\d+ ms\)$" % words)
+        clock.set_by(0)
+        page.wait_for("#details [data-of='wall clock']", r"^\d+ ms (ahead of|behind) that of robot")
         self.finish(web)
 
     def post(self, path, body, token=TOKEN):

@@ -97,12 +97,13 @@ TEST(AgentClocks, AreComparedAgainAsSoonAsTheOwnClockIsSet) {
   EXPECT_THAT(kinds(device), testing::ElementsAre("deployed", "clocks-differ")) << "without a further status";
 }
 
-TEST(AgentClocks, AreShownInTheReportRelativeToTheFirstDeviceOfTheCell) {
+TEST(AgentClocks, AreShownInTheReportAndStatusRelativeToTheFirstDeviceOfTheCell) {
   FakeDevice robot;
   robot.become_running();
   robot.receive(robot.command(COMMAND_REPORT));
   EXPECT_EQ(robot.data()["clock"],
             (nlohmann::ordered_json{{"reference", "robot"}, {"offset_us", 0.0}, {"bound_us", 0.0}}));
+  EXPECT_EQ(robot.status().clock_error_ns(), 0);
 
   FakeDevice line{{}, false, {}, "", "line"};
   DeviceStatus status = line.of_line(DEVICE_READY);
@@ -115,6 +116,8 @@ TEST(AgentClocks, AreShownInTheReportRelativeToTheFirstDeviceOfTheCell) {
   line.receive(line.command(COMMAND_REPORT));
   EXPECT_EQ(line.data()["clock"],
             (nlohmann::ordered_json{{"reference", "robot"}, {"offset_us", -2050.0}, {"bound_us", 50.0}}));
+  EXPECT_EQ(line.status().clock_offset_ns(), -2'050'000);
+  EXPECT_EQ(line.status().clock_error_ns(), 50'000);
 }
 
 }  // namespace

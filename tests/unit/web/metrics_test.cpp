@@ -54,6 +54,21 @@ TEST(Metrics, MeasureTimesInSeconds) {
           HasSubstr("takt_web_viewers 2\n")));
 }
 
+TEST(Metrics, ContainTheOffsetOfAClockIfItIsKnown) {
+  wire::ObservedDevice robot = device("robot");
+  EXPECT_THAT(metrics_text({robot}, nullptr, {}), Not(HasSubstr("clock_offset")));
+  robot.status.clock_offset_ns(-2'500'000);
+  robot.status.clock_error_ns(400'000);
+  robot.alive = true;
+  EXPECT_THAT(
+      metrics_text({robot}, nullptr, {}),
+      AllOf(HasSubstr("# TYPE takt_device_clock_offset_seconds gauge\n"),
+            HasSubstr("takt_device_clock_offset_seconds{cell=\"press\",device=\"robot\"} -0.0025\n"),
+            HasSubstr("takt_device_clock_offset_error_seconds{cell=\"press\",device=\"robot\"} 0.0004\n")));
+  robot.alive = false;
+  EXPECT_THAT(metrics_text({robot}, nullptr, {}), Not(HasSubstr("clock_offset")));
+}
+
 // A monitoring system would take the last values of a lost device for current values.
 TEST(Metrics, OmitTheMeasurementsOfALostDevice) {
   EXPECT_THAT(text(), AllOf(HasSubstr("takt_device_up{cell=\"press\",device=\"line\"} 0\n"),

@@ -19,6 +19,16 @@ TEST(StatusJson, ContainsTheStateAndMachineOfADevice) {
   EXPECT_EQ(json["host_restarts"], 2);
 }
 
+TEST(StatusJson, ContainsTheOffsetOfAClockIfItIsKnown) {
+  wire::ObservedDevice robot = device("robot");
+  EXPECT_FALSE(device_json(robot).contains("clock_ms"));
+  robot.status.clock_offset_ns(-2'600'000);
+  robot.status.clock_error_ns(400'000);
+  EXPECT_EQ(device_json(robot)["clock_ms"], (Json{{"offset", -3}, {"error", 1}}));
+  robot.status.clock_error_ns(700'000);
+  EXPECT_EQ(device_json(robot)["clock_ms"], (Json{{"offset", -3}, {"error", 2}})) << "-3.3 ms to -1.9 ms";
+}
+
 TEST(StatusJson, ContainsTheStateEventAndReasonOfATransition) {
   LifecycleStatus s = status("robot", "servo", STATE_RECOVER, 7);
   s.previous_state(STATE_EXECUTING);

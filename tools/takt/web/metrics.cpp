@@ -89,6 +89,10 @@ std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const m
   Metric forced{"takt_device_forced_inputs", kGauge, "Inputs of the device that an operator forces."};
   Metric alarms{"takt_device_unacknowledged_alarms", kGauge,
                 "Alarms of the device and its modules that nobody has acknowledged."};
+  Metric clock{"takt_device_clock_offset_seconds", kGauge,
+               "How far the wall clock of the device is ahead of that of the cell's first device."};
+  Metric clock_error{"takt_device_clock_offset_error_seconds", kGauge,
+                     "The largest possible error of takt_device_clock_offset_seconds."};
   for (const wire::ObservedDevice& device : devices) {
     const DeviceStatus& s = device.status;
     const Labels labels{{"cell", s.cell().to_string()}, {"device", device.name()}};
@@ -113,6 +117,10 @@ std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const m
                static_cast<std::uint64_t>(std::count_if(ports.begin(), ports.end(), [](const auto& p) {
                  return p.second.status.forced().size() != 0;
                })));
+    if (s.clock_error_ns() > 0) {
+      clock.add(labels, static_cast<double>(s.clock_offset_ns()) / 1e9);
+      clock_error.add(labels, static_cast<double>(s.clock_error_ns()) / 1e9);
+    }
   }
   // Report a device of the cell as down if `devices` does not contain it: it was lost before this program
   // started.
@@ -123,7 +131,7 @@ std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const m
     if (!found) up.add({{"cell", cell->name}, {"device", device.name}}, false);
   }
   return up.text() + state.text() + health.text() + real_time.text() + restarts.text() + forced.text() +
-         alarms.text();
+         alarms.text() + clock.text() + clock_error.text();
 }
 
 std::string of_modules(const std::vector<wire::ObservedDevice>& devices) {

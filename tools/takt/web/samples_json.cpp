@@ -1,6 +1,7 @@
 #include "web/samples_json.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -70,7 +71,7 @@ std::string graph_of(const model::Cell& cell, const GraphPage& page) {
 
 Json device_json(const wire::ObservedDevice& device) {
   const DeviceStatus& s = device.status;
-  return {
+  Json json{
       {"name", device.name()},
       {"alive", device.alive},
       {"state", to_text(s.state())},
@@ -83,6 +84,15 @@ Json device_json(const wire::ObservedDevice& device) {
       {"process_id", s.process_id()},
       {"host_process_id", s.host_process_id()},
       {"host_restarts", s.host_restarts()}};
+  // In whole milliseconds, because each change is sent to all pages.
+  if (s.clock_error_ns() > 0) {
+    const double offset = in_ms(s.clock_offset_ns());
+    const double rounded = std::round(offset);
+    json["clock_ms"] = {{"offset", static_cast<std::int64_t>(rounded)},
+                        {"error", static_cast<std::int64_t>(
+                                      std::ceil(in_ms(s.clock_error_ns()) + std::abs(offset - rounded)))}};
+  }
+  return json;
 }
 
 Json module_json(const LifecycleStatus& s) {

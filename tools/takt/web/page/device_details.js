@@ -56,10 +56,16 @@ export class DeviceDetails {
       ["takt-node", device ? `process ${device.process_id}` : ""],
       ["takt-host", device?.host_process_id ? `process ${device.host_process_id}` : device ? "none" : ""],
       ["host restarts", count(device?.host_restarts)],
+      ["wall clock", this.#clock(device?.clock_ms)],
     ]);
     this.commands.update();
     this.faults.show(this.#name);
     this.#showExecutors();
+  }
+
+  #clock(of) {
+    const first = this.#store.cell?.devices?.[0]?.name;
+    return of && first ? `${Math.abs(of.offset)} ms ${of.offset < 0 ? "behind" : "ahead of"} that of ${first} (±${of.error} ms)` : "";
   }
 
   #forgetExecutors() {

@@ -220,7 +220,9 @@ class Agent {
   // The clocks of the other devices (clocks.cpp)
   [[nodiscard]] std::optional<ClockBounds> clock_of(const std::string& device) const;
   [[nodiscard]] std::optional<ClockBounds> ahead(const std::string& device) const;
+  [[nodiscard]] std::optional<ClockBounds> first_ahead() const;
   [[nodiscard]] nlohmann::ordered_json clock_report() const;
+  void add_clock(DeviceStatus& status) const;
   void check_clocks();
 
   // Other nodes with this device name (twins.cpp)
