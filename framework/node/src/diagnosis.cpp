@@ -348,6 +348,23 @@ Finding clock(const Machine& machine, const Trial&) {
   return finding;
 }
 
+Finding wall_clock(const Machine&, const Trial& trial) {
+  Finding finding{.name = "wall clock",
+                  .found = "nothing synchronises the wall clock of this machine",
+                  .why =
+                      "the devices of a cell begin at the same time of their wall clocks, and reject a "
+                      "deployment if these clocks differ by more than 100 ms"};
+  if (trial.wall_clock_error) {
+    finding.found =
+        "the wall clock is synchronised, with an error of at most " + to_text(*trial.wall_clock_error);
+    return finding;
+  }
+  finding.severity = Severity::note;
+  finding.cure =
+      "if the cell has devices on several machines, install chrony on each of them, or use ptp4l and phc2sys";
+  return finding;
+}
+
 Finding timers(const Machine& machine, const Trial& trial) {
   Finding finding{
       .name = "timers",
@@ -542,8 +559,8 @@ const char* to_text(Severity severity) noexcept {
 std::vector<Finding> diagnose(const Machine& machine, const Trial& trial) {
   std::vector<Finding> findings;
   for (const auto check :
-       {preemption, priority, memory, swap, throttling, cpu_limit, isolation, interrupts, frequency, idle, clock, timers,
-        hyper_threads, virtual_machine, stolen, huge_pages, sockets, components, files, shared_memory, wake_up}) {
+       {preemption, priority, memory, swap, throttling, cpu_limit, isolation, interrupts, frequency, idle, clock, wall_clock,
+        timers, hyper_threads, virtual_machine, stolen, huge_pages, sockets, components, files, shared_memory, wake_up}) {
     Finding finding = check(machine, trial);
     // The kernel's settings cannot be changed inside a sealed container, so the cure must be applied on the
     // machine outside the container.

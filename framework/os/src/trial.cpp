@@ -1,5 +1,7 @@
 #include <takt/os/trial.hpp>
 
+#include <sys/timex.h>
+
 #include <algorithm>
 #include <chrono>
 #include <ctime>
@@ -20,6 +22,14 @@ namespace {
 constexpr Nanoseconds kPause = std::chrono::milliseconds{1};
 // The default priority of executors.
 constexpr int kPriority = 80;
+
+// The estimate of the kernel grows by 500 us each second, up to 16 s. Each service that synchronises the
+// clock reduces the estimate, but not every one also clears STA_UNSYNC.
+std::optional<Nanoseconds> wall_clock_error() noexcept {
+  timex state{};
+  if (::adjtimex(&state) < 0 || state.maxerror >= 16'000'000) return std::nullopt;
+  return std::chrono::microseconds{state.maxerror};
+}
 
 // Tries to lock memory. Does this in a child process, because this process would keep its memory locked.
 Result<void> try_locking() {
@@ -87,6 +97,7 @@ Trial try_machine(Nanoseconds moment) {
   if (!NoDeepIdle{}.held())
     trial.idle_held = fail("/dev/cpu_dma_latency cannot be opened", "let this user write to it");
   trial.timer_resolution = timer_resolution();
+  trial.wall_clock_error = wall_clock_error();
   const auto before = read_processor_time();
   trial.wake_ups = try_wake_ups(static_cast<std::size_t>(moment / kPause), kPause);
   const auto after = read_processor_time();

@@ -1,3 +1,4 @@
+import ctypes
 import os
 import re
 import resource
@@ -31,6 +32,14 @@ def kept_by_the_kernel():
         return int(runtime.read()) == 950000
 
 
+def error_of_the_wall_clock():
+    """Returns the largest error of the wall clock in us, as the kernel estimates it. 16,000,000: nothing synchronises the clock."""
+    timex = (ctypes.c_long * 32)()  # its fourth member is maxerror
+    if ctypes.CDLL(None, use_errno=True).adjtimex(timex) < 0:
+        raise OSError(ctypes.get_errno(), "adjtimex")
+    return timex[3]
+
+
 class Doctor(takt_system.Case):
     def test_the_json_report_of_takt_doctor_agrees_with_its_exit_status(self):
         run = self.takt("doctor", "--json")
@@ -47,6 +56,12 @@ class Doctor(takt_system.Case):
         wake_up = report["wake_up_us"]
         self.assertEqual(500, wake_up["count"])
         self.assertTrue(0 <= wake_up["p50"] <= wake_up["p99"] <= wake_up["max"], wake_up)
+
+    def test_takt_doctor_says_whether_the_wall_clock_is_synchronised(self):
+        synchronised = error_of_the_wall_clock() < 16e6
+        found = [f for f in self.takt("doctor", "--json").report["findings"] if f["check"] == "wall clock"]
+        self.assertEqual(["good" if synchronised else "note"], [f["severity"] for f in found])
+        self.assertRegex(found[0]["found"], r"^the wall clock is synchronised, .* at most \d" if synchronised else "^nothing synchronises")
 
     def test_takt_doctor_writes_no_escape_sequences_to_a_pipe(self):
         run = self.takt("doctor")

@@ -49,6 +49,7 @@ os::Trial good_trial() {
   os::Trial trial;
   trial.cpus = {.online = {0, 1, 2, 3}, .permitted = {0, 1, 2, 3}, .ordinary = {0, 1, 2}};
   trial.timer_resolution = Nanoseconds{1};
+  trial.wall_clock_error = milliseconds{2};
   trial.wake_ups = {500, microseconds{3}, microseconds{8}, microseconds{21}};
   trial.stolen_share = 0.0;
   return trial;
@@ -76,7 +77,7 @@ TEST(Diagnosis, ExplainsEveryCheckEvenIfNothingIsKnownAboutTheMachine) {
     EXPECT_NE(each.why, "") << each.name;
     EXPECT_TRUE(names.insert(each.name).second) << each.name;
   }
-  EXPECT_EQ(names.size(), 21U);
+  EXPECT_EQ(names.size(), 22U);
 }
 
 TEST(Diagnosis, SuggestsAFixForEveryProblem) {
@@ -247,6 +248,16 @@ TEST(Diagnosis, AcceptsDeepIdleStatesThatTaktCanPrevent) {
   EXPECT_EQ(finding("idle states", machine, trial).severity, Severity::note);
   machine.processors[0].idle_states.back().disabled = true;
   EXPECT_EQ(finding("idle states", machine, trial).severity, Severity::good);
+}
+
+TEST(Diagnosis, NotesThatNothingSynchronisesTheWallClock) {
+  os::Trial trial = good_trial();
+  EXPECT_EQ(finding("wall clock", good_machine(), trial).found,
+            "the wall clock is synchronised, with an error of at most 2 ms");
+  trial.wall_clock_error.reset();
+  const Finding found = finding("wall clock", good_machine(), trial);
+  EXPECT_EQ(found.severity, Severity::note);
+  EXPECT_THAT(found.cure, HasSubstr("install chrony"));
 }
 
 TEST(Diagnosis, RatesStolenTimeByItsShareSinceBoot) {

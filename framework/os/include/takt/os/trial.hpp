@@ -45,6 +45,8 @@ struct Trial {
   std::string node_error{};  ///< why takt-node does not start; empty if it starts
   Result<void> idle_held;    ///< success if /dev/cpu_dma_latency can be opened
   Nanoseconds timer_resolution{};
+  /// The largest error of the wall clock, as the kernel estimates it; none if nothing synchronises the clock.
+  std::optional<Nanoseconds> wall_clock_error{};
   WakeUps wake_ups;
   std::optional<double> stolen_share{};  ///< share of the CPU time that the hypervisor of this virtual
                                          ///< machine took during the trial, 0 to 1
