@@ -839,6 +839,13 @@ TEST_F(DeceivedReader, RefusesALongSampleThatWouldHaveToWait) {
   }));
 }
 
+// Fast DDS would handle this invalid sample once more after the reader has dropped it.
+TEST_F(DeceivedReader, HandlesASampleWhoseFragmentsArriveInOnePacketOnce) {
+  send(fragments(1, 2, 100, 200));
+  expect_that_the_gateway_works();
+  EXPECT_EQ(samples(), 1U);
+}
+
 TEST_F(DeceivedReader, ForgetsTheFragmentsOfSamplesThatAGapSkips) {
   for (std::uint64_t i = 1; i <= 256; ++i) send(half(i, 1));
   send(gap(1, 257));
