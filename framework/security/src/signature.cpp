@@ -3,6 +3,7 @@
 #include <openssl/err.h>
 #include <openssl/evp.h>
 
+#include <filesystem>
 #include <utility>
 
 #include <takt/core/check.hpp>
@@ -45,6 +46,21 @@ Result<Certificate> signer(const std::string& file, std::int64_t now) {
   return certificate;
 }
 
+/// Follows a link, as other output files do, but only if no other user decides where it leads. Otherwise,
+/// such a user could make root replace any file.
+Result<void> write_signature(const std::string& path, const std::string& signature) {
+  std::filesystem::path target = path;
+  std::error_code error;
+  if (std::filesystem::is_symlink(target, error)) {
+    if (const auto writers = os::check_writers(path); !writers)
+      return Problem{path, "is a link that other users may change: " + writers.problems()[0].what,
+                     "remove the link"};
+    while (std::filesystem::is_symlink(target, error))
+      target = target.parent_path() / std::filesystem::read_symlink(target, error);
+  }
+  return os::replace_file(target.string(), signature, os::Readers::everybody);
+}
+
 }  // namespace
 
 Result<void> sign_file(const std::string& file, const std::string& pem) {
@@ -60,7 +76,7 @@ Result<void> sign_file(const std::string& file, const std::string& pem) {
   TAKT_CHECK(EVP_DigestSign(digest.get(), reinterpret_cast<unsigned char*>(signature.data()), &size,
                             bytes(*content), content->size()) == 1);
   signature.resize(size);
-  return os::replace_file(signature_of(file), signature, os::Readers::everybody);
+  return write_signature(signature_of(file), signature);
 }
 
 Result<void> check_signer(const std::string& certificate, std::int64_t now) {

@@ -1,5 +1,9 @@
 #include <takt/security/signature.hpp>
 
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -15,6 +19,7 @@ namespace {
 using namespace takt;
 using namespace takt::security;
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
 
 constexpr std::int64_t kNow = 1'800'000'000;
@@ -94,6 +99,34 @@ TEST_F(SignatureCheck, ReportsAMissingSignature) {
   EXPECT_THAT(wrong(), HasSubstr("it is not signed, and only signed components are accepted here; sign it"));
   std::ofstream{file_ + ".sig"} << "nonsense";
   EXPECT_THAT(wrong(), HasSubstr("its signature does not match"));
+}
+
+TEST_F(SignatureCheck, FindsASignatureThatWasWrittenThroughALink) {
+  fs::remove(file_ + ".sig");
+  fs::create_symlink("current.sig", file_ + ".sig");
+  fs::create_symlink("kept.sig", folder_ / "current.sig");
+  for (const char* target : {"a new file", "an existing file"}) {
+    ASSERT_TRUE(Authority::open((folder_ / "home").string())->sign_components({file_}, kNow).ok()) << target;
+    EXPECT_TRUE(fs::is_symlink(file_ + ".sig")) << target;
+    EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(folder_ / "kept.sig"))) << target;
+    EXPECT_EQ(wrong(), "") << target;
+  }
+}
+
+TEST_F(SignatureCheck, IsNotWrittenThroughALinkOfAnotherUserInASharedFolder) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give files to other users";
+  ::unsetenv("SUDO_UID");
+  ASSERT_EQ(::chmod(folder_.c_str(), 01777), 0);
+  std::ofstream{folder_ / "victim"} << "a file of root";
+  fs::remove(file_ + ".sig");
+  fs::create_symlink("victim", file_ + ".sig");
+  ASSERT_EQ(::lchown((file_ + ".sig").c_str(), 54321, 0), 0);
+  const auto signed_file = Authority::open((folder_ / "home").string())->sign_components({file_}, kNow);
+  ASSERT_FALSE(signed_file.ok());
+  EXPECT_THAT(to_text(signed_file.problems()),
+              AllOf(HasSubstr(file_ + ".sig: error: is a link that other users may change: "),
+                    HasSubstr("belongs to user 54321"), HasSubstr("; remove the link")));
+  EXPECT_EQ(fs::file_size(folder_ / "victim"), std::string{"a file of root"}.size());
 }
 
 TEST_F(SignatureCheck, FailsAfterTheCertificateHasExpired) {

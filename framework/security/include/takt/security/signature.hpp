@@ -14,7 +14,8 @@ namespace takt::security {
 /// The largest size of a file that can be signed, in bytes.
 inline constexpr std::size_t kMostSigned = std::size_t{1} << 30;
 
-/// Signs `file` and writes the signature to FILE.sig. `key` is a private key as PEM text.
+/// Signs `file` and writes the signature to FILE.sig, or to the file to which the link FILE.sig leads. Fails
+/// if another user can change this link. `key` is a private key as PEM text.
 Result<void> sign_file(const std::string& file, const std::string& key);
 
 /// Checks that the file `certificate` is a certificate that has not expired at the time `now` (in seconds
