@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cstdlib>
 #include <functional>
 #include <mutex>
 #include <sstream>
@@ -68,14 +67,6 @@ constexpr Nanoseconds kNamesAnswer = std::chrono::milliseconds{200};
 constexpr std::size_t kDescriptors = 48;
 
 std::atomic<bool> there_is_one{false};
-
-// Makes Fast DDS ignore settings in the environment and in files of the working directory. These settings are
-// for other programs and would change the discovery of Takt's participants.
-void ignore_environment() {
-  ::setenv("SKIP_DEFAULT_XML", "1", 1);
-  for (const char* name : {"FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_DISCOVERY_SERVER", "FASTDDS_STATISTICS"})
-    ::unsetenv(name);
-}
 
 rtps::Locator_t locator(const os::Ipv4& address, std::uint32_t port) {
   rtps::Locator_t locator;
@@ -243,7 +234,6 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   auto ending = os::Notice::create();
   if (!ending) return refuse(ending.problems());
   if (auto room = os::can_open(kDescriptors); !room) return refuse(room.problems());
-  ignore_environment();
   check_what_readers_receive();
   lock_readers_that_lose_writers();
   remove_readers_without_deadlock();
@@ -293,6 +283,9 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
 
   names->step(os::now());
   names->wait(kNamesAnswer);
+  // Fast DDS reads settings for other programs from the environment, and from files that it names or that are
+  // in the working folder.
+  const os::ChangedEnvironment without_settings{{"FASTDDS_", "FASTRTPS_", "ROS"}, "SKIP_DEFAULT_XML_FILE=1"};
   auto* factory = fast::DomainParticipantFactory::get_instance();
   fast::DomainParticipant* made = factory->create_participant(static_cast<fast::DomainId_t>(options.domain),
                                                               qos, listener.get(), fast::StatusMask::none());

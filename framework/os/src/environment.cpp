@@ -7,6 +7,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdlib>
@@ -41,6 +42,22 @@ std::string environment(const char* name) {
 }
 
 void set_environment(const char* name, const std::string& value) { ::setenv(name, value.c_str(), 1); }
+
+ChangedEnvironment::ChangedEnvironment(std::initializer_list<std::string_view> hidden, const char* added)
+    : before_(environ) {
+  static std::vector<char*> changed;  // another thread may still read it when this object is gone
+  changed = {const_cast<char*>(added)};
+  for (char** each = environ; *each != nullptr; ++each) {
+    const auto names = [each](std::string_view prefix) {
+      return std::string_view{*each}.starts_with(prefix);
+    };
+    if (std::ranges::none_of(hidden, names)) changed.push_back(*each);
+  }
+  changed.push_back(nullptr);
+  environ = changed.data();
+}
+
+ChangedEnvironment::~ChangedEnvironment() { environ = before_; }
 
 void share_heaps() noexcept { ::mallopt(M_ARENA_MAX, 2); }
 

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 #include <set>
 #include <string>
 #include <thread>
@@ -166,10 +165,10 @@ TEST(Participant, DoesNotCallAReaderOnTheWritingThread) {
 
 /// Expects that two peers, each with its own environment variables, find each other.
 void expect_match(const std::map<std::string, std::string>& one,
-                  const std::map<std::string, std::string>& other, const std::string& folder = {}) {
-  Peer tap{{"tap", "discovery", "reliable", "1"}, one, folder};
+                  const std::map<std::string, std::string>& other) {
+  Peer tap{{"tap", "discovery", "reliable", "1"}, one};
   ASSERT_TRUE(tap.prints("ready"));
-  Peer feed{{"feed", "discovery", "reliable", "1"}, other, folder};
+  Peer feed{{"feed", "discovery", "reliable", "1"}, other};
   ASSERT_TRUE(feed.prints("ready"));
   // DDS does not deliver samples that the peer `feed` wrote before it matched `tap`, so `feed` writes again.
   EXPECT_TRUE(soon([&] {
@@ -189,22 +188,6 @@ TEST(Discovery, FindsAPeerThroughADiscoveryServer) {
   Peer server{{"device", "server"}, {{"PEER_DISCOVERY", "serve=" + place}}};
   ASSERT_TRUE(server.prints("ready"));
   expect_match({{"PEER_DISCOVERY", "server=" + place}}, {{"PEER_DISCOVERY", "server=" + place}});
-}
-
-TEST(Discovery, IgnoresFastDdsSettingsInTheEnvironment) {
-  const auto folder = std::filesystem::temp_directory_path() / ("takt-dds-" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder);
-  const std::string profile = R"(<?xml version="1.0"?>
-<dds xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"><profiles>
-<transport_descriptors><transport_descriptor><transport_id>tcp</transport_id><type>TCPv4</type></transport_descriptor></transport_descriptors>
-<participant profile_name="p" is_default_profile="true"><domainId>7</domainId><rtps><useBuiltinTransports>false</useBuiltinTransports>
-<userTransports><transport_id>tcp</transport_id></userTransports></rtps></participant></profiles></dds>)";
-  std::ofstream{folder / "profile.xml"} << profile;
-  std::ofstream{folder / "DEFAULT_FASTRTPS_PROFILES.xml"} << profile;
-  expect_match(
-      {{"FASTRTPS_DEFAULT_PROFILES_FILE", folder / "profile.xml"}, {"ROS_DISCOVERY_SERVER", "127.0.0.1:9"}},
-      {}, folder);
-  std::filesystem::remove_all(folder);
 }
 
 TEST(Participant, RejectsATopicWhoseTypeConflictsWithAnotherTopic) {

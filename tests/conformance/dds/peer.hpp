@@ -18,10 +18,9 @@ namespace takt::dds_test {
 
 class Peer {
  public:
-  /// Starts the process with the command in `arguments`, adds `variables` to its environment, and makes
-  /// `folder` its working folder if one is given.
+  /// Starts the process with the command in `arguments`, and adds `variables` to its environment.
   explicit Peer(const std::vector<std::string>& arguments,
-                const std::map<std::string, std::string>& variables = {}, const std::string& folder = {});
+                const std::map<std::string, std::string>& variables = {});
   Peer(const Peer&) = delete;
   Peer& operator=(const Peer&) = delete;
   /// Kills the process if it has not ended.

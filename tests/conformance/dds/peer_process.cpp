@@ -20,8 +20,7 @@ namespace takt::dds_test {
 
 using Clock = std::chrono::steady_clock;
 
-Peer::Peer(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& variables,
-           const std::string& folder) {
+Peer::Peer(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& variables) {
   std::array<int, 2> to{};
   std::array<int, 2> from{};
   if (::pipe2(to.data(), O_CLOEXEC) != 0 || ::pipe2(from.data(), O_CLOEXEC) != 0)
@@ -43,7 +42,6 @@ Peer::Peer(const std::vector<std::string>& arguments, const std::map<std::string
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawn_file_actions_adddup2(&actions, to[0], 0);
   ::posix_spawn_file_actions_adddup2(&actions, from[1], 1);
-  if (!folder.empty()) ::posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
   const int error = ::posix_spawn(&pid_, program.c_str(), &actions, nullptr, argv.data(), envp.data());
   ::posix_spawn_file_actions_destroy(&actions);
   ::close(to[0]);

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <initializer_list>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <takt/core/result.hpp>
@@ -28,6 +30,20 @@ std::string environment(const char* name);
 /// Sets an environment variable for this process and for its later child processes. Call it only while this
 /// process has a single thread.
 void set_environment(const char* name, const std::string& value);
+
+/// While this object exists, this process has the variable `added` ("NAME=value", a literal), and none whose
+/// name begins with one of `hidden`. Meanwhile, other threads may read the environment, but not change it.
+/// There is at most one such object.
+class ChangedEnvironment {
+ public:
+  ChangedEnvironment(std::initializer_list<std::string_view> hidden, const char* added);
+  ChangedEnvironment(const ChangedEnvironment&) = delete;
+  ChangedEnvironment& operator=(const ChangedEnvironment&) = delete;
+  ~ChangedEnvironment();
+
+ private:
+  char** const before_;
+};
 
 /// Lets the threads of this process share two heaps. By default there are up to eight for each CPU, and each keeps
 /// the memory that its threads have needed at most: in a node, that of the largest text. Call it before the process
