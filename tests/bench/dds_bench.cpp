@@ -115,13 +115,12 @@ class Bare final : dds::fast::DataReaderListener, dds::Taker {
     set(writer, reliable);
     writer.endpoint().history_memory_policy = dds::rtps::PREALLOCATED_MEMORY_MODE;
     writer.publish_mode().kind = dds::fast::SYNCHRONOUS_PUBLISH_MODE;
-    writer.reliable_writer_qos().times.heartbeatPeriod = dds::duration(10ms);
-    writer.reliable_writer_qos().times.nackResponseDelay = dds::duration(1ms);
+    dds::set_times(writer, 10ms);
     writer_ = mine.make_writer(out_, writer, nullptr, dds::fast::StatusMask::none());
     dds::fast::DataReaderQos reader;
     set(reader, reliable);
     reader.endpoint().history_memory_policy = dds::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
-    reader.reliable_reader_qos().times.heartbeatResponseDelay = dds::duration(1ms);
+    dds::set_times(reader, 1ms);
     reader_ =
         mine.make_reader(in_, reader, this, dds::fast::StatusMask::data_available(), dds::Receives::alone);
   }
@@ -134,7 +133,7 @@ class Bare final : dds::fast::DataReaderListener, dds::Taker {
   }
   void write(const std::byte* bytes) {
     dds::Bytes sample{bytes, kBytes};
-    writer_->write(&sample);
+    dds::write_sample(*writer_, &sample);
   }
 
  private:
@@ -154,8 +153,7 @@ class Bare final : dds::fast::DataReaderListener, dds::Taker {
   void take(const dds::Bytes& bytes) override { std::memcpy(bytes_.data(), bytes.data, kBytes); }
   void on_data_available(dds::fast::DataReader* from) override {
     dds::fast::SampleInfo info;
-    while (from->take_next_sample(static_cast<dds::Taker*>(this), &info) == dds::ReturnCode::RETCODE_OK)
-      heard_(*this, bytes_.data());
+    while (dds::take_sample(*from, static_cast<dds::Taker*>(this), info)) heard_(*this, bytes_.data());
   }
 
   std::shared_ptr<dds::Participant> participant_;

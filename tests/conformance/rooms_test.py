@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that a wrong include fails the build with an error that names the file, both rooms and the rule.
+"""Checks that a wrong include fails the build with an error that names the file, both rooms and the rule, and so does a call of write().
 
 Usage: rooms_test.py SOURCE_DIRECTORY ROOMS_FILE. Adds allowed and wrong includes to a copy of each room, and checks the copy as the
 build does.
@@ -72,6 +72,9 @@ with tempfile.TemporaryDirectory() as copy:
         first = len(cases[0]) + 1
         for number, include in enumerate(cases[1] + [".."], first):
             wrong[f"framework/{room}/src/added.cpp:{number}"] = (room, include)
+    with open(os.path.join(copy, "framework", "dds", "src", "added.cpp"), "a", encoding="utf-8") as file:
+        file.write("const bool taken = writer_->write(&sample);\n")
+    wrong[f"framework/dds/src/added.cpp:{len(sum(CASES['dds'], [])) + 2}"] = ("dds", "..")
     with open(os.path.join(copy, "tools", "added.cpp"), "w", encoding="utf-8") as file:
         file.write("#include <takt/node/node.hpp>\n#include <unistd.h>\n#include <tinyxml2.h>\n")
     wrong["tools/added.cpp:2"] = ("", "unistd.h")

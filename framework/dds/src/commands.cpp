@@ -45,11 +45,7 @@ constexpr auto kAcknowledge = milliseconds{2000};
 // The time that the server waits for the client's reader to match. After this time, the server sends the
 // reply without a match.
 constexpr auto kMatchWait = milliseconds{3000};
-// A heartbeat asks readers to acknowledge samples. By default, a writer sends a heartbeat every 3 s, and a
-// reader answers a heartbeat after 5 ms. The shorter times below make commands faster.
 constexpr Nanoseconds kCommandHeartbeat = milliseconds{10};
-constexpr Nanoseconds kCommandNackDelay = milliseconds{1};
-constexpr Nanoseconds kCommandFirstAck = milliseconds{10};
 
 std::int64_t wall_ns() {
   return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -82,8 +78,8 @@ bool write_parts(fast::DataWriter& writer, const Whole& whole) {
     const auto end =
         whole.data.begin() + static_cast<std::ptrdiff_t>(std::min(whole.data.size(), (i + 1) * wire::kPart));
     head.data(std::vector<std::uint8_t>(begin, end));
-    if (!writer.write(&head)) return false;
-    if (i % kPaced == kPaced - 1) static_cast<void>(writer.wait_for_acknowledgments(duration(kAcknowledge)));
+    if (!write_sample(writer, &head)) return false;
+    if (i % kPaced == kPaced - 1) wait_for_readers(writer, kAcknowledge);
   }
   return true;
 }
@@ -141,14 +137,12 @@ class Ends {
     fast::DataWriterQos writer_qos;
     set_command_quality(writer_qos);
     writer_qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
-    writer_qos.reliable_writer_qos().times.heartbeatPeriod = duration(kCommandHeartbeat);
-    writer_qos.reliable_writer_qos().times.nackResponseDelay = duration(kCommandNackDelay);
+    set_times(writer_qos, kCommandHeartbeat);
     writer_ =
         mine.make_writer(out_topic_, writer_qos, writer_listener, fast::StatusMask::publication_matched());
     fast::DataReaderQos reader_qos;
     set_command_quality(reader_qos);
-    reader_qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
-    reader_qos.reliable_reader_qos().times.initialAcknackDelay = duration(kCommandFirstAck);
+    set_times(reader_qos, Nanoseconds{0});
     reader_ = mine.make_reader(in_topic_, reader_qos, reader_listener, fast::StatusMask::data_available(),
                                Receives::alone);
     if (also_in_topic_ != nullptr) {
@@ -230,7 +224,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
   void on_data_available(fast::DataReader* from) override {
     Command command;
     fast::SampleInfo info;
-    while (from->take_next_sample(&command, &info) == ReturnCode::RETCODE_OK) {
+    while (take_sample(*from, &command, info)) {
       if (!info.valid_data) continue;
       const std::lock_guard lock{mutex};
       if (!wire::validate(command)) {
@@ -468,7 +462,7 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
   void on_data_available(fast::DataReader* from) override {
     Reply reply;
     fast::SampleInfo info;
-    while (from->take_next_sample(&reply, &info) == ReturnCode::RETCODE_OK) {
+    while (take_sample(*from, &reply, info)) {
       if (!info.valid_data || !wire::validate(reply)) continue;
       DiscoveryListener* const listener = ends.participant().discovery_listener();
       const rtps::GUID_t& writer = info.sample_identity.writer_guid();

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include <fastrtps/utils/IPLocator.h>
 
 #include <takt/core/words.hpp>
 

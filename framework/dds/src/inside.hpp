@@ -11,30 +11,16 @@
 #include <typeindex>
 #include <vector>
 
-#include <fastdds/dds/domain/DomainParticipant.hpp>
-#include <fastdds/dds/publisher/DataWriter.hpp>
-#include <fastdds/dds/publisher/DataWriterListener.hpp>
-#include <fastdds/dds/publisher/Publisher.hpp>
-#include <fastdds/dds/subscriber/DataReader.hpp>
-#include <fastdds/dds/subscriber/DataReaderListener.hpp>
-#include <fastdds/dds/subscriber/SampleInfo.hpp>
-#include <fastdds/dds/subscriber/Subscriber.hpp>
-#include <fastdds/dds/topic/TypeSupport.hpp>
-
 #include <takt/core/result.hpp>
-#include <takt/core/time.hpp>
 #include <takt/dds/participant.hpp>
 #include <takt/os/network.hpp>
 #include <takt/os/notice.hpp>
 #include <takt/wire/notices.hpp>
+#include "fast_dds.hpp"
 #include "udp_transport.hpp"
 #include "workarounds/reader_checks.hpp"
 
 namespace takt::dds {
-
-namespace fast = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
-using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
 
 class DiscoveryListener;
 
@@ -140,8 +126,6 @@ class OwnParticipant final : public Participant {
 
 /// Casts a Participant to OwnParticipant, the only implementation.
 OwnParticipant& own(Participant& participant);
-
-eprosima::fastrtps::Duration_t duration(Nanoseconds time);
 
 /// Returns a number that identifies the writer or reader with this GUID.
 std::uint64_t number_of(const rtps::GUID_t& guid);

@@ -8,7 +8,6 @@
 #include <sstream>
 #include <utility>
 
-#include <fastrtps/utils/IPLocator.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 
@@ -505,11 +504,6 @@ void OwnParticipant::release(fast::Topic* topic) {
 }
 
 OwnParticipant& own(Participant& participant) { return static_cast<OwnParticipant&>(participant); }
-
-eprosima::fastrtps::Duration_t duration(Nanoseconds time) {
-  const auto ns = time.count();
-  return {static_cast<std::int32_t>(ns / 1'000'000'000), static_cast<std::uint32_t>(ns % 1'000'000'000)};
-}
 
 namespace {
 

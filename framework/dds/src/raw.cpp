@@ -16,11 +16,8 @@ constexpr std::uint64_t kMostMissing = std::uint64_t{1} << 32;
 constexpr std::int32_t kReliableReaderDepth = 32;
 // The largest number of bytes that Fast DDS preallocates for the samples of one flow.
 constexpr std::size_t kPreallocated = 4 * 1024 * 1024;
-// A reader detects a lost sample when the writer's next sample or heartbeat arrives. The default heartbeat
-// period of 3 s is too long for a flow.
 constexpr Nanoseconds kFlowHeartbeat = std::chrono::milliseconds{10};
-constexpr Nanoseconds kFlowNackDelay = std::chrono::milliseconds{1};
-constexpr Nanoseconds kFlowFirstAck = std::chrono::milliseconds{10};
+constexpr Nanoseconds kFlowAnswer = std::chrono::milliseconds{1};
 
 template <class Qos>
 void set_flow_quality(Qos& qos, const Quality& quality, std::int32_t depth, std::size_t sample) {
@@ -116,8 +113,7 @@ Result<void> RawWriter::make() {
   if (flow_.quality.lifespan) qos.lifespan().duration = duration(*flow_.quality.lifespan);
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
   qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
-  qos.reliable_writer_qos().times.heartbeatPeriod = duration(kFlowHeartbeat);
-  qos.reliable_writer_qos().times.nackResponseDelay = duration(kFlowNackDelay);
+  set_times(qos, kFlowHeartbeat);
   qos.writer_resource_limits().reader_filters_allocation.maximum = 0;
   fast::StatusMask mask = fast::StatusMask::publication_matched();
   mask << fast::StatusMask::offered_incompatible_qos();
@@ -129,7 +125,6 @@ Result<void> RawWriter::make() {
 }
 
 bool RawWriter::write(const Bytes& bytes, std::int64_t time_ns, std::uint64_t number) {
-  Bytes sample = bytes;
   // Fast DDS never returns from write() if the nanoseconds of the time are negative (CVE-2025-63829).
   rtps::WriteParams parameters;
   parameters.source_timestamp().from_ns(std::max<std::int64_t>(time_ns, 0));
@@ -137,7 +132,7 @@ bool RawWriter::write(const Bytes& bytes, std::int64_t time_ns, std::uint64_t nu
     parameters.related_sample_identity().writer_guid(writer_->guid());
     parameters.related_sample_identity().sequence_number(rtps::SequenceNumber_t{number});
   }
-  const bool taken = writer_->write(&sample, parameters);
+  const bool taken = write_sample(*writer_, &bytes, parameters);
   taken ? health_.moved() : health_.failed();
   return taken;
 }
@@ -188,8 +183,7 @@ Result<void> RawReader::make() {
   // Let the buffers grow. With fixed buffers, Fast DDS would try again and again to deliver a sample that is
   // too long, without counting it as rejected.
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
-  qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(kFlowNackDelay);
-  qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFlowFirstAck);
+  set_times(qos, kFlowAnswer);
   fast::StatusMask mask = fast::StatusMask::data_available();
   mask << fast::StatusMask::subscription_matched() << fast::StatusMask::requested_incompatible_qos();
   reader_ = own(*participant_).make_reader(topic_, qos, this, mask, Receives::alone);
@@ -207,7 +201,7 @@ void RawReader::take(const Bytes& bytes) {
 void RawReader::on_data_available(fast::DataReader* from) {
   const std::lock_guard lock{calling_};
   fast::SampleInfo info;
-  while (from->take_next_sample(static_cast<Taker*>(this), &info) == ReturnCode::RETCODE_OK) {
+  while (take_sample(*from, static_cast<Taker*>(this), info)) {
     const rtps::SampleIdentity& own = info.sample_identity;
     const rtps::SampleIdentity& given = info.related_sample_identity;
     health_.lost(sent_.before(own));

@@ -32,12 +32,7 @@ constexpr Nanoseconds kLease = std::chrono::milliseconds{300};
 constexpr std::int32_t kReaderDepth = 64;
 constexpr std::int32_t kEventsKept = 64;  ///< number of events per device that a reader gets when it joins
                                           ///< later
-// A heartbeat asks readers to acknowledge samples, and is how they notice that they miss one. By default, a
-// writer sends a heartbeat every 3 s, and a reader answers a heartbeat after 5 ms.
 constexpr Nanoseconds kTopicHeartbeat = std::chrono::milliseconds{20};
-constexpr Nanoseconds kTopicNackDelay = std::chrono::milliseconds{1};
-constexpr Nanoseconds kTopicFirstAck = std::chrono::milliseconds{10};
-
 /// Readers acknowledge a repeated state once in this time, unless the writer asks.
 constexpr Nanoseconds kRepeatedHeartbeat = std::chrono::seconds{3};
 constexpr Nanoseconds kAskAgain = std::chrono::milliseconds{20};
@@ -164,9 +159,7 @@ struct Writer<T>::Inside final {
     fast::DataWriterQos qos;
     set_topic_quality<T>(qos, TopicOf<T>::sort == Sort::event ? kEventsKept : 1);
     qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
-    qos.reliable_writer_qos().times.heartbeatPeriod =
-        duration(kIsRepeated ? kRepeatedHeartbeat : kTopicHeartbeat);
-    qos.reliable_writer_qos().times.nackResponseDelay = duration(kTopicNackDelay);
+    set_times(qos, kIsRepeated ? kRepeatedHeartbeat : kTopicHeartbeat);
     qos.writer_data_lifecycle().autodispose_unregistered_instances = true;
     writer = own(*participant).make_writer(topic, qos, nullptr, fast::StatusMask::none());
     if (writer == nullptr) return no_entity<T>("writer");
@@ -198,8 +191,7 @@ Writer<T>::~Writer() = default;
 template <class T>
 bool Writer<T>::write(const T& sample) {
   const HeartbeatsAsk which{Inside::kIsRepeated ? Answers::if_sample_is_missing : Answers::as_usual};
-  // Fast DDS takes a non-const pointer, but does not write through it.
-  const bool taken = inside_->writer->write(const_cast<T*>(&sample));
+  const bool taken = write_sample(*inside_->writer, &sample);
   if (!taken) inside_->failures.fetch_add(1, std::memory_order_relaxed);
   return taken;
 }
@@ -219,15 +211,12 @@ void Writer<T>::assert_liveliness() {
 
 template <class T>
 bool Writer<T>::wait_acknowledged(std::chrono::milliseconds limit) {
-  const auto wait = [this](Nanoseconds time) {
-    return inside_->writer->wait_for_acknowledgments(duration(time)) == ReturnCode::RETCODE_OK;
-  };
-  if (!is_state(TopicOf<T>::sort)) return wait(limit);
+  if (!is_state(TopicOf<T>::sort)) return wait_for_readers(*inside_->writer, limit);
   const Nanoseconds ask_again = Inside::kIsRepeated ? kAskAgain : Nanoseconds{limit};
   for (Nanoseconds left = limit; left > Nanoseconds{0}; left -= ask_again) {
     const HeartbeatsAsk all{Answers::always};
     assert_liveliness();
-    if (wait(std::min(left, ask_again))) return true;
+    if (wait_for_readers(*inside_->writer, std::min(left, ask_again))) return true;
   }
   return false;
 }
@@ -262,8 +251,7 @@ struct Reader<T>::Inside final : fast::DataReaderListener {
     set_topic_quality<T>(qos, kReaderDepth);
     // The lease of the device's status shows whether its node lives; a second one for each node costs time.
     if (TopicOf<T>::sort == Sort::state) qos.liveliness() = {};
-    qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
-    qos.reliable_reader_qos().times.initialAcknackDelay = duration(kTopicFirstAck);
+    set_times(qos, Nanoseconds{0});
     fast::StatusMask mask = fast::StatusMask::data_available();
     mask << fast::StatusMask::liveliness_changed() << fast::StatusMask::subscription_matched();
     reader = own(*participant).make_reader(topic, qos, this, mask, Receives::in_group);
@@ -281,7 +269,7 @@ struct Reader<T>::Inside final : fast::DataReaderListener {
   void on_data_available(fast::DataReader* from) override {
     const std::lock_guard lock{calling};
     fast::SampleInfo info;
-    while (from->take_next_sample(&sample, &info) == ReturnCode::RETCODE_OK) {
+    while (take_sample(*from, &sample, info)) {
       const wire::WriterId writer = number_of(info.sample_identity.writer_guid());
       if (info.valid_data) {
         if (!wire::validate(sample) ||

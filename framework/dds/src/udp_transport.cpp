@@ -13,10 +13,10 @@
 #include <fastdds/rtps/network/SenderResource.h>
 #include <fastdds/rtps/transport/TransportInterface.h>
 #include <fastdds/rtps/transport/TransportReceiverInterface.h>
-#include <fastrtps/utils/IPLocator.h>
 #include <fastdds/rtps/common/LocatorSelector.hpp>
 
 #include <takt/os/udp_socket.hpp>
+#include "fast_dds.hpp"
 
 namespace takt::dds {
 

@@ -372,7 +372,7 @@ void forge(const Participant& participant, const Arguments& arguments) {
   qos.resource_limits().max_samples_per_instance = 32;
   qos.resource_limits().allocated_samples = 32;
   qos.data_sharing().off();
-  qos.reliable_writer_qos().times.heartbeatPeriod = dds::duration(5ms);
+  dds::set_times(qos, 5ms);
   if (keyed) {
     qos.liveliness().kind = dds::fast::MANUAL_BY_TOPIC_LIVELINESS_QOS;
     qos.liveliness().lease_duration = dds::duration(300ms);
@@ -389,10 +389,10 @@ void forge(const Participant& participant, const Arguments& arguments) {
   const int count = std::stoi(arguments[3]);
   for (int i = 0; i < count; ++i) {
     auto bytes = nonsense(random, good);
-    writer->write(&bytes);
-    if (i % 8 == 7) writer->wait_for_acknowledgments(dds::duration(1s));
+    dds::write_sample(*writer, &bytes);
+    if (i % 8 == 7) dds::wait_for_readers(*writer, 1s);
   }
-  writer->wait_for_acknowledgments(dds::duration(5s));
+  dds::wait_for_readers(*writer, 5s);
   print("forged");
   next_line();
   mine.end(writer);

@@ -15,7 +15,7 @@
 #include <fastdds/rtps/builtin/discovery/participant/PDP.h>
 #include <fastdds/rtps/builtin/discovery/participant/PDPSimple.h>
 #include <fastdds/rtps/resources/TimedEvent.h>
-#include <fastrtps/utils/IPLocator.h>
+#include "../fast_dds.hpp"
 #include "replaced_function.hpp"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include <fastdds/rtps/builtin/data/ParticipantProxyData.h>
-#include <fastrtps/utils/IPLocator.h>
+#include "../fast_dds.hpp"
 #include "replaced_function.hpp"
 
 namespace {
