@@ -46,10 +46,10 @@ std::int32_t depth_of(const Quality& quality) {
 
 }  // namespace
 
-RawType::RawType(const std::string& name, std::size_t max_size) {
+RawType::RawType(const std::string& name, std::size_t max_size, bool keyed) {
   setName(name.c_str());
   m_typeSize = static_cast<std::uint32_t>((max_size + 3) / 4 * 4);
-  m_isGetKeyDefined = false;
+  m_isGetKeyDefined = keyed;
   auto_fill_type_object(false);
   auto_fill_type_information(false);
 }

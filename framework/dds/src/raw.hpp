@@ -31,18 +31,25 @@ class Taker {
   virtual void take(const Bytes& bytes) = 0;
 };
 
-/// A bounded type without a key, for samples as raw bytes. `max_size` is the size of the largest sample,
-/// including the encapsulation header.
-class RawType final : public fast::TopicDataType {
+/// A bounded type for samples as raw bytes. `max_size` is the size of the largest sample, including the
+/// encapsulation header.
+class RawType : public fast::TopicDataType {
  public:
-  RawType(const std::string& name, std::size_t max_size);
+  RawType(const std::string& name, std::size_t max_size, bool keyed = false);
   bool serialize(void* data, rtps::SerializedPayload_t* payload) override;
   bool deserialize(rtps::SerializedPayload_t* payload, void* data) override;
   std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override;
   void* createData() override { return nullptr; }
   void deleteData(void*) override {}
-  bool getKey(void*, rtps::InstanceHandle_t*, bool) override { return false; }
+  bool getKey(void* data, rtps::InstanceHandle_t* handle, bool) override {
+    if (m_isGetKeyDefined) *handle = key_of(*static_cast<const Bytes*>(data));
+    return m_isGetKeyDefined;
+  }
   bool is_bounded() const override { return true; }
+
+ private:
+  /// Only a test has a type with a key.
+  virtual rtps::InstanceHandle_t key_of(const Bytes&) { return {}; }
 };
 
 /// The state and counters of one flow. Any thread may use this object.

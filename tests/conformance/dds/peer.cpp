@@ -35,7 +35,7 @@
 #include <takt/dds/gateway.hpp>
 #include <takt/dds/topics.hpp>
 #include <takt/wire/words.hpp>
-#include "inside.hpp"
+#include "raw.hpp"
 
 #include "sample.hpp"
 
@@ -317,34 +317,17 @@ std::vector<std::byte> nonsense(std::mt19937& random, const std::vector<std::byt
 }
 
 /// A DDS type that takes the name of another type, and whose samples are arbitrary bytes.
-class ForgedType final : public dds::fast::TopicDataType {
+class ForgedType final : public dds::RawType {
  public:
-  ForgedType(const std::string& name, bool keyed) {
-    setName(name.c_str());
-    m_typeSize = 70000;
-    m_isGetKeyDefined = keyed;
-    auto_fill_type_object(false);
-    auto_fill_type_information(false);
-  }
-  bool serialize(void* data, dds::rtps::SerializedPayload_t* payload) override {
-    const auto& bytes = *static_cast<const std::vector<std::byte>*>(data);
-    std::memcpy(payload->data, bytes.data(), bytes.size());
-    payload->length = static_cast<std::uint32_t>(bytes.size());
-    return true;
-  }
-  bool deserialize(dds::rtps::SerializedPayload_t*, void*) override { return false; }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-    return [data] { return static_cast<std::uint32_t>(static_cast<std::vector<std::byte>*>(data)->size()); };
-  }
-  void* createData() override { return new std::vector<std::byte>; }
-  void deleteData(void* data) override { delete static_cast<std::vector<std::byte>*>(data); }
-  bool getKey(void* data, dds::rtps::InstanceHandle_t* handle, bool) override {
-    if (!m_isGetKeyDefined) return false;
-    const auto& bytes = *static_cast<const std::vector<std::byte>*>(data);
+  ForgedType(const std::string& name, bool keyed) : RawType(name, 70000, keyed) {}
+
+ private:
+  dds::rtps::InstanceHandle_t key_of(const dds::Bytes& bytes) override {
+    dds::rtps::InstanceHandle_t key;
     for (std::size_t i = 0; i < 16; ++i)
-      handle->value[i] =
-          static_cast<unsigned char>(i < bytes.size() ? bytes[bytes.size() - 1 - i] : std::byte{1});
-    return true;
+      key.value[i] =
+          static_cast<unsigned char>(i < bytes.size ? bytes.data[bytes.size - 1 - i] : std::byte{1});
+    return key;
   }
 };
 
@@ -388,8 +371,9 @@ void forge(const Participant& participant, const Arguments& arguments) {
   std::mt19937 random{1};
   const int count = std::stoi(arguments[3]);
   for (int i = 0; i < count; ++i) {
-    auto bytes = nonsense(random, good);
-    dds::write_sample(*writer, &bytes);
+    const auto bytes = nonsense(random, good);
+    const dds::Bytes sample{bytes.data(), bytes.size()};
+    dds::write_sample(*writer, &sample);
     if (i % 8 == 7) dds::wait_for_readers(*writer, 1s);
   }
   dds::wait_for_readers(*writer, 5s);
