@@ -5,8 +5,13 @@
 # - Temporary files get their own folder; otherwise fastddsgen uses fixed names in /tmp.
 # - Without -replace, fastddsgen keeps an older output.
 # - fastddsgen runs in the folder of the files, because it copies the given path of an included file into #include.
+#
+# The target takt_fastdds is Fast DDS. Packages, targets and generated files have other names in other versions of Fast DDS and fastddsgen, so no
+# other CMake file names them.
 
-find_package(fastcdr REQUIRED)
+find_package(fastrtps REQUIRED)  # finds fastcdr, too
+add_library(takt_fastdds INTERFACE)
+target_link_libraries(takt_fastdds INTERFACE fastrtps)
 find_program(FASTDDSGEN fastddsgen REQUIRED)
 
 function(takt_generate out)
