@@ -1,4 +1,4 @@
-"""Checks that tests/run.py tells a broken product from a busy machine, and that tools/test and tools/build reject wrong arguments.
+"""Checks that tests/run.py tells a broken product from a busy machine, and that tools/test, tools/build and tools/on reject wrong arguments.
 Usage: run_test.py SOURCE_FOLDER"""
 
 import os
@@ -106,7 +106,7 @@ class Arguments(unittest.TestCase):
         self._folder = tempfile.TemporaryDirectory()
         self.addCleanup(self._folder.cleanup)
         self.root = self._folder.name
-        for name in ("tools/test", "tools/build", "tests/run.py"):
+        for name in ("tools/test", "tools/build", "tools/on", "tests/run.py"):
             os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
             shutil.copy(os.path.join(SOURCE, name), self.path(name))
         with open(self.path("tools/setup"), "w") as file:  # the first program that tools/test calls
@@ -147,6 +147,20 @@ class Arguments(unittest.TestCase):
                 run = self.run_script(command)
                 self.assertEqual((2, ""), (run.returncode, run.stdout))
                 self.assertRegex(run.stderr, r"^usage: ")
+
+    def test_tools_on_rejects_an_unknown_release_and_a_missing_command(self):
+        for command, message in (("", "which release? tools/on --help describes the arguments"),
+                                 ("debian11 true", "unknown release 'debian11'; write debian12 or debian13"),
+                                 ("--nonsense debian12 true", "unknown release '--nonsense'; write debian12 or debian13"),
+                                 ("debian13", "no command for debian13; tools/on --help describes the arguments")):
+            with self.subTest(command=command):
+                run = self.run_script("tools/on " + command)
+                self.assertEqual((2, "", "tools/on: " + message), (run.returncode, run.stdout, run.stderr.strip()))
+
+    def test_tools_on_describes_its_arguments(self):
+        run = self.run_script("tools/on --help")
+        self.assertEqual((0, ""), (run.returncode, run.stderr))
+        self.assertRegex(run.stdout, r"^usage: tools/on debian12\|debian13 COMMAND")
 
 
 if __name__ == "__main__":
