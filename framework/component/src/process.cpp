@@ -384,8 +384,8 @@ void Guest::body_done() {
   slot_->late.fetch_add(1, std::memory_order_release);  // after late_by_ns
 }
 
-// Waits until the previous program in the row has begun its body, but at most for half a period. So if the
-// previous program was killed or stopped, this program is delayed only once, and by less than a period.
+// Waits until the previous program in the row has begun its body, but only half a period for a program that
+// was killed or stopped. So such a program delays this program only once, and by less than a period.
 void Guest::await_turn() {
   const channel::Ticket ticket = channel::ticket_of(*slot_, taken_);
   turn_->await(ticket, Nanoseconds{slot_->period_ns / 2}, *wake_word_, wake_bit_, slot_->end);

@@ -200,21 +200,28 @@ class Processes(takt_system.Case):
         cpus = sorted(os.sched_getaffinity(0))[-2:]
         order = self.takt("check", descriptor, "--json").device()["executors"][0]["rows"][0]
         self.assertEqual(["first", "middle", "last"], order)
-        run = self.takt("run", descriptor, "--for", "%g" % seconds, "--json", limit=seconds + takt_system.LONG,
-                        become=lambda: os.sched_setaffinity(0, cpus))
-        self.assertEqual(0, run.status, run.err)
-        begins = {module: self.begins(module) for module in order}
-        rows = set.intersection(*(set(begins[module]) for module in order))
-        wrong = [row for row in rows if sorted(order, key=lambda module: begins[module][row]) != order]
-        jitter = run.executor()["jitter_us"]
-        print("%d of %d common rows began in another order; the rows were late by p50 %.1f us, p99 %.1f us" % (
-            len(wrong), len(rows), jitter["p50"], jitter["p99"]))
-        for module in order:
-            late = sorted(begins[module][row] - row for row in rows)
-            print("%s: began after p50 %.1f us, p99 %.1f us, max %.1f us" % (
-                module, late[len(late) // 2] / 1e3, late[len(late) * 99 // 100] / 1e3, late[-1] / 1e3))
-        self.assertEqual(0, len(wrong), "rows that began in another order")
-        self.assertGreater(len(rows), seconds * 400)  # there are 500 rows per second
+        seen = 0
+        while seen <= seconds * 400:  # of 500 rows per second; a machine that misses more than 100 of them runs the programs again
+            run = self.takt("run", descriptor, "--for", "%g" % seconds, "--json", limit=seconds + takt_system.LONG,
+                            become=lambda: os.sched_setaffinity(0, cpus))
+            self.assertEqual(0, run.status, run.err)
+            begins = {module: self.begins(module) for module in order}
+            for module in order:
+                self.assert_grid(run, module)
+                # The cell may end while a program waits for its turn.
+                self.assertIn(run.modules()[module]["cycles"] - len(begins[module]), (0, 1), module)
+            rows = set.intersection(*(set(begins[module]) for module in order))
+            self.assertGreater(len(rows), 0)
+            seen += len(rows)
+            jitter = run.executor()["jitter_us"]
+            print("%d common rows, which were late by p50 %.1f us, p99 %.1f us" % (len(rows), jitter["p50"], jitter["p99"]))
+            for module in order:
+                late = sorted(begins[module][row] - row for row in rows)
+                print("%s: began after p50 %.1f us, p99 %.1f us, max %.1f us" % (
+                    module, late[len(late) // 2] / 1e3, late[len(late) * 99 // 100] / 1e3, late[-1] / 1e3))
+            self.assertEqual([], [{module: (begins[module][row] - row) / 1e3 for module in order} for row in rows
+                                  if sorted(order, key=lambda module: begins[module][row]) != order],
+                             "rows that began in another order, with the time from the release to the begin in us")
 
     @takt_system.timing("on virtual time, no program could begin in the wrong order because it wakes up too late")
     def test_programs_on_one_cpu_begin_in_the_order_that_takt_check_prints(self):

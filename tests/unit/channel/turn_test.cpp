@@ -12,6 +12,8 @@
 #include <takt/channel/release_slot.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
+#include <takt/os/machine.hpp>
+#include <takt/os/real_time.hpp>
 #include <full_form.hpp>
 
 namespace takt::channel::turn_test {
@@ -80,6 +82,61 @@ TEST(Turn, IsAwaitedOnlyForALimitedTimeIfThePreviousProgramHasDied) {
   const Instant before = os::now();
   turn.await({.number = 8, .after = 7}, std::chrono::milliseconds{2}, wake_word, wake_bit(0), end);
   EXPECT_GE(os::now() - before, std::chrono::milliseconds{2});
+}
+
+// While this program waits for its turn, other threads may keep the CPU from it for longer than its patience.
+// They may keep the executor from waking the previous programs in the row for that long too.
+TEST(Turn, LetsThePreviousProgramsBeginFirstThoughThePatienceHasEnded) {
+  if (const auto may = os::may_have_priority(); !may) GTEST_SKIP() << to_text(may.problems());
+  Turn turn{};
+  WakeWord wake_word{};
+  const std::atomic<std::uint32_t> end{0};
+  const Ticket first{.number = 7};
+  const Ticket second = first.next();
+  const Ticket third = second.next();
+  std::vector<std::uint32_t> began;  // the threads share one CPU, so it needs no lock
+  std::atomic<int> asleep{0};
+  const auto sleep_until_woken = [&](std::size_t index) {
+    const std::uint32_t rings = wake_word.rings.load();
+    ++asleep;
+    os::futex_wait(wake_word.rings, rings, wake_bit(index));
+  };
+  const auto run = [&](const Ticket& ticket, std::size_t index, Nanoseconds patience) {
+    turn.await(ticket, patience, wake_word, wake_bit(index), end);
+    began.push_back(ticket.number);
+    turn.begin(ticket);
+    wake_word.rings.fetch_add(1);
+    os::futex_wake(wake_word.rings, ~0U);
+  };
+  const os::Thread::Options options{
+      .name = "program", .priority = 1, .cpus = {os::read_cpus().ordinary.front()}};
+  Problems refused;
+  {
+    const auto first_program = os::Thread::start(
+        options,
+        [&] {
+          sleep_until_woken(0);
+          run(first, 0, seconds{60});
+        },
+        &refused);
+    const auto second_program = os::Thread::start(
+        options,
+        [&] {
+          sleep_until_woken(1);
+          run(second, 1, seconds{60});
+        },
+        &refused);
+    const auto third_program = os::Thread::start(
+        options,
+        [&] {
+          // This thread cannot preempt the others. So once they have counted up `asleep`, they sleep.
+          while (asleep < 2) os::sleep_until(os::now() + std::chrono::milliseconds{1});
+          run(third, 2, Nanoseconds{0});
+        },
+        &refused);
+  }
+  EXPECT_TRUE(refused.empty()) << to_text(refused);
+  EXPECT_EQ(began, (std::vector<std::uint32_t>{7, 8, 9}));
 }
 
 TEST(Turn, IsNoLongerAwaitedWhenTheProgramMustEnd) {

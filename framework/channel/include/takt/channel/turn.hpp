@@ -41,10 +41,10 @@ struct alignas(64) Turn {
     return ticket.after == 0 || begun.load(std::memory_order_seq_cst) - ticket.after < kAhead;
   }
 
-  /// Waits until it is the ticket's turn. Stops waiting as soon as `end` is not 0, and at the latest
-  /// `patience` after the call, because the program of the previous ticket may have died. Costs one load if
-  /// it is already the ticket's turn; otherwise the program sleeps. The program calls this function. A
-  /// real-time thread may call it.
+  /// Waits until it is the ticket's turn. Stops waiting as soon as `end` is not 0. Also stops if, `patience`
+  /// after the call, every program that can run has gone first and none has begun: the previous program may
+  /// have died. Costs one load if it is already the ticket's turn; otherwise the program sleeps. The program
+  /// calls this function. A real-time thread may call it.
   void await(const Ticket& ticket, Nanoseconds patience, WakeWord& wake_word, std::uint32_t wake_bit,
              const std::atomic<std::uint32_t>& end) noexcept;
 
