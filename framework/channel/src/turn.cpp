@@ -25,11 +25,11 @@ void Turn::await(const Ticket& ticket, Nanoseconds patience, WakeWord& wake_word
     if (os::now() < until) continue;
     // Perhaps another thread kept the CPU from this program, or from the executor before it could wake the
     // previous program. So every program that can run goes first.
-    const std::uint32_t before = begun.load(std::memory_order_seq_cst);
+    const std::uint32_t before = last.load(std::memory_order_seq_cst);
     wake_word.rings.fetch_add(1, std::memory_order_seq_cst);
     os::futex_wake(wake_word.rings, ~0U);
     std::this_thread::yield();
-    if (reached(ticket) || begun.load(std::memory_order_seq_cst) == before) return;
+    if (reached(ticket) || last.load(std::memory_order_seq_cst) == before) return;
     until = os::now() + patience;
   }
 }

@@ -39,11 +39,34 @@ TEST(Turn, ComesOnceThePreviousBodyHasBegun) {
   EXPECT_TRUE(turn.reached(second.next()));
 }
 
+TEST(Turn, WaitsForTheRowsOwnProgramThoughTheNextRowHasBegun) {
+  Turn turn{};
+  const Ticket first{.number = 7};
+  const Ticket second = first.next();
+  const Ticket third = second.next();
+  const Ticket first_of_next_row{.number = third.number + 1};
+  turn.begin(first);
+  turn.begin(first_of_next_row);
+  EXPECT_TRUE(turn.reached(second));
+  EXPECT_FALSE(turn.reached(third));
+  turn.begin(second);
+  EXPECT_TRUE(turn.reached(third));
+}
+
+TEST(Turn, ComesForAProgramThatIsLateByManyRows) {
+  Turn turn{};
+  const Ticket first{.number = 7};
+  turn.begin(first);
+  turn.begin({.number = first.number + Turn::kMostTickets});
+  EXPECT_TRUE(turn.reached(first.next()));
+}
+
 TEST(Turn, IsNotChangedByAReleaseWithoutATicket) {
   Turn turn{};
   turn.begin({.number = 7});
   turn.begin({});
-  EXPECT_EQ(turn.begun.load(), 7U);
+  EXPECT_EQ(turn.last.load(), 7U);
+  EXPECT_FALSE(turn.reached({.number = 9, .after = 8}));
 }
 
 TEST(Turn, ComesEvenIfTheTicketNumbersWrapAround) {

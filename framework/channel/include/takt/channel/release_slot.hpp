@@ -94,7 +94,7 @@ enum class ReleaseSlotPhase : std::uint32_t {
 };
 
 struct alignas(64) ReleaseSlot {
-  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0009;  // layout 9
+  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'000a;  // layout 10
 
   // The node writes these fields before the program starts.
   std::uint64_t magic;

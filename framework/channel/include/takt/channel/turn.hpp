@@ -7,6 +7,7 @@
 // because otherwise it could keep the CPU from the program for which it waits.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 
@@ -27,18 +28,23 @@ struct Ticket {
   }
 };
 
-/// The state that the periodic process modules of one executor share. Every begin() overwrites `begun`. So if
-/// a program writes out of bounds and damages `begun`, the wrong value lasts for one row at most.
+/// The state that the periodic process modules of one executor share. Each begin() overwrites a number in
+/// `begun`. So if a program writes out of bounds and damages `begun`, a wrong value lasts for kMostTickets
+/// releases at most.
 struct alignas(64) Turn {
-  std::atomic<std::uint32_t> begun;    ///< the ticket of the last body that began
+  static constexpr std::uint32_t kMostTickets = 64;
+
+  /// The body of ticket n stores n at index n modulo kMostTickets. A single number would not do: the first
+  /// program of the next row waits for nobody, so it may begin before a program of this row.
+  std::array<std::atomic<std::uint32_t>, kMostTickets> begun;
+  std::atomic<std::uint32_t> last;     ///< the ticket of the last body that began
   std::atomic<std::uint32_t> waiting;  ///< the wake bits of the programs that sleep until their turn
 
-  /// True if the body of ticket `ticket.after` has begun. Ticket numbers wrap around, and a new host begins
-  /// with number 1 again. So `begun` counts as later than `ticket.after` only if the difference is less than
-  /// kAhead.
+  /// True if the body of ticket `ticket.after` has begun. Then `begun` contains this ticket or, if this
+  /// program is very late, the ticket that has overwritten it.
   [[nodiscard]] bool reached(const Ticket& ticket) const noexcept {
-    constexpr std::uint32_t kAhead = 1U << 16;
-    return ticket.after == 0 || begun.load(std::memory_order_seq_cst) - ticket.after < kAhead;
+    const std::uint32_t number = begun[ticket.after % kMostTickets].load(std::memory_order_seq_cst);
+    return ticket.after == 0 || number == ticket.after || number == ticket.after + kMostTickets;
   }
 
   /// Waits until it is the ticket's turn. Stops waiting as soon as `end` is not 0. Also stops if, `patience`
@@ -52,7 +58,9 @@ struct alignas(64) Turn {
   /// could not run earlier than the end of this body, so it is woken only then. The program calls this
   /// function. A real-time thread may call it.
   void begin(const Ticket& ticket) noexcept {
-    if (ticket.number != 0) begun.store(ticket.number, std::memory_order_seq_cst);  // see await()
+    if (ticket.number == 0) return;
+    begun[ticket.number % kMostTickets].store(ticket.number, std::memory_order_seq_cst);  // see await()
+    last.store(ticket.number, std::memory_order_seq_cst);
   }
 
   /// Returns the wake bits of the programs that sleep until their turn, and clears these bits. The caller
