@@ -199,7 +199,7 @@ class Web(takt_system.Case):
         self.assertEqual("bad", page.attribute("[data-module='line.fails']", "data-look"))
         for module, state in told.items():
             hint = page.script("return document.querySelector(arguments[0]).textContent", "[data-module='%s'] > title" % module)
-            self.assertRegex(hint, "^%s: .*; %s$" % (re.escape(module), state))
+            self.assertRegex(hint, "^%s: .*; %s(, alarm)?$" % (re.escape(module), re.escape(state)))
         self.assertEqual("good", page.attribute("[data-module='robot.tuned']", "data-look"))
         page.wait_for_attribute("path.wire", "data-line", "good")
 
@@ -1008,6 +1008,16 @@ class Web(takt_system.Case):
               .map((one) => [one.textContent, one.getBBox()]);
             const crosses = (a, b) => a.x < b.x + b.width && b.x < a.x + a.width && a.y + 2 < b.y + b.height && b.y + 2 < a.y + a.height;
             return all.flatMap(([text, a], i) => all.slice(i + 1).filter(([, b]) => crosses(a, b)).map(([other]) => `${text} on ${other}`));"""))
+
+        # The name that a screen reader says has the texts that a sighted person reads first, so that both speak of the same box.
+        self.assertEqual([], page.script("""
+            return [...document.querySelectorAll(".drawing [role=button]")].flatMap((box) => {
+              const name = box.getAttribute("aria-label") ?? box.querySelector("title").textContent;
+              return [...box.querySelectorAll("text.title, text.title + text, text.state-word")]
+                .filter((text) => !name.includes(text.textContent)).map((text) => `${text.textContent} in ${name}`);
+            });"""))
+        wait_until(lambda: re.match(r"line\.fails: thread, periodic, every 10 ms, .*; RECOVER, alarm$", page.script(
+            "return document.querySelector('[data-module=\"line.fails\"] title').textContent")), "the alarm in the name of the box")
 
         heights = page.script("return [...document.querySelectorAll('.drawing .box > .module')].map((one) => one.getAttribute('height'))")
         self.assertEqual(1, len(set(heights[1:3] + heights[4:])), "modules without connections have boxes of one size")

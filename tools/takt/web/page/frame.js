@@ -33,7 +33,7 @@ export class Frame {
     });
     this.element = element("div", { class: "frame" }, this.surface, element("div", { class: "zoom" }, ...buttons,
       button("+", "zoom in", () => this.zoom(kStep)), button("\u2212", "zoom out", () => this.zoom(1 / kStep)),
-      button("fit", "show the whole drawing", () => this.fit())));
+      button("fit", "fit the whole drawing", () => this.fit())));
     this.surface.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
     this.surface.addEventListener("keydown", (event) => this.#press(event));
     this.surface.addEventListener("pointerdown", (event) => this.#down(event));

@@ -131,9 +131,10 @@ export class Graph {
     room?.replaceWith(trend);
     setAttribute(group, "role", "button");
     setAttribute(group, "tabindex", "-1");
-    // Remove the state from the tooltip of the box. The tooltip has the state at the time of the drawing, not the current state.
-    const title = group.querySelector("title");
-    known.set(name, { group, use, word, run, jitter, track, used, trend, at, title, about: title?.textContent.replace(/; [^;]*$/, "") });
+    // The title of the box is its tooltip and its name for assistive technology. So it has the texts down to the state, which is current.
+    const title = group.querySelector("title") ?? group.insertBefore(drawn("title"), group.firstChild);
+    const about = known === this.#modules ? title.textContent.replace(/; [^;]*$/, "") : `device ${name}: ${group.querySelector("text.faint").textContent}`;
+    known.set(name, { group, use, word, run, jitter, track, used, trend, at, title, about });
   }
 
   #prepareWire(group) {
@@ -194,7 +195,7 @@ export class Graph {
       }
     }
     this.#showLook(drawn, look);
-    setAttribute(drawn.group, "aria-label", `device ${name}: ${look.word}; the space bar ${collapsed ? "expands" : "collapses"} it`);
+    setAttribute(drawn.group, "aria-description", `the space bar ${collapsed ? "expands" : "collapses"} it`);
     setAttribute(drawn.group, "aria-expanded", String(!collapsed));
     if (!collapsed) for (const module of modules) this.#showModule(module.name);
   }
@@ -205,7 +206,6 @@ export class Graph {
     if (!drawn || !module) return;
     const look = lookOfModule(this.#store.shown(module));
     this.#showLook(drawn, look);
-    setAttribute(drawn.group, "aria-label", `${name}: ${look.word}${look.alarm ? ", alarm" : ""}`);
     if (!drawn.trend) return;
     const measures = look.key === "lost" ? null : module.measures;
     const use = measures ? useOf(module) : { share: null };
@@ -223,7 +223,7 @@ export class Graph {
     setAttribute(drawn.group, "data-state", look.key);
     setAttribute(drawn.use, "href", `#sign-${look.sign}`);
     setText(drawn.word, look.word);
-    if (drawn.title) setText(drawn.title, `${drawn.about}; ${look.word}`);
+    setText(drawn.title, `${drawn.about}; ${look.word}${look.alarm ? ", alarm" : ""}`);
   }
 
   /// Shows the health of a wire, the worst of its connections, and the newest value with its age.
