@@ -906,8 +906,9 @@ class Web(takt_system.Case):
                     self.assertEqual([], page.script("""
                         return [...document.querySelectorAll("button, select, input:not([type=checkbox]), [role=tab]")]
                           .filter((one) => one.checkVisibility() && (one.getBoundingClientRect().height < 39.5 ||
-                                                                     one.getBoundingClientRect().right > innerWidth))
+                                                                     (one.role !== "tab" && one.getBoundingClientRect().right > innerWidth)))
                           .map((one) => `${one.textContent}: ${one.getBoundingClientRect().height}`)"""))
+                    self.assertEqual([], page.script(TABS), "tabs that are not in one line, or too small for a finger, or not shown when selected")
             if width == 390:
                 page.go("#/modules?select=robot.tuned")
                 wait_until(lambda: page.script("return document.querySelector('#details [data-verb=stop]').getBoundingClientRect().height") >= 60,
@@ -1339,6 +1340,18 @@ const press = () => {
     .observe(answer, {childList: true, characterData: true, subtree: true});
 };
 press();
+"""
+
+# This script finds tabs that are in a second line or, on a phone, too small for a finger, and a selected tab that is not completely visible.
+TABS = """
+const tabs = [...document.querySelectorAll("[role=tab]")];
+const bar = document.querySelector("#tabs").getBoundingClientRect();
+return tabs.filter((tab) => {
+  const {top, left, right, height, width} = tab.getBoundingClientRect();
+  const least = innerWidth <= 600 ? 44 : 0;
+  return top !== tabs[0].getBoundingClientRect().top || height < least || width < least
+    || (tab.getAttribute("aria-selected") === "true" && (left < bar.left - 0.5 || right > bar.right + 0.5));
+}).map((tab) => `${tab.textContent}: ${JSON.stringify(tab.getBoundingClientRect())}`);
 """
 
 # This script finds texts whose contrast to their background is lower than WCAG level AA requires. As in WCAG, disabled elements do not

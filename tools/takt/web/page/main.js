@@ -71,6 +71,7 @@ function showRoute() {
     const is = tab.dataset.view === name;
     setAttribute(tab, "aria-selected", String(is));
     setAttribute(tab, "tabindex", is ? "0" : "-1");
+    if (is) tab.scrollIntoView({ block: "nearest", inline: "center" });
   }
   byId("view").setAttribute("aria-labelledby", `tab-${name}`);
   document.title = `${title} - ${store.cell?.cell ?? "Takt"}`;
