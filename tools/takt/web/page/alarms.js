@@ -9,9 +9,10 @@ import { count, instant, several } from "./words.js";
 
 const kLongestNote = 255;
 
-const nameOf = ({ device, module }) => (module ? `${device}.${module}` : device);
-const open = (store) => store.alarms.filter((alarm) => !alarm.acknowledged);
-const textOf = ({ kind, error, count: times }) => (error ? `${kind}: ${error}` : kind) + (times > 1 ? ` (${count(times)} times)` : "");
+export const nameOf = ({ device, module }) => (module ? `${device}.${module}` : device);
+/// The unacknowledged alarms, the worst first.
+export const open = (store) => store.alarms.filter((alarm) => !alarm.acknowledged);
+export const textOf = ({ kind, error, count: times }) => (error ? `${kind}: ${error}` : kind) + (times > 1 ? ` (${count(times)} times)` : "");
 
 /// The bar is hidden if there is no unacknowledged alarm.
 export class AlarmBar {

@@ -1,9 +1,10 @@
-// The view for a screen on the wall (the address ends in ?wall), legible from several metres: one tile per device, the worst first, and the
-// last fault. The size of the text depends on the width of the screen and on the number of devices.
+// The view for a screen on the wall (the address ends in ?wall), legible from several metres: the worst unacknowledged
+// alarm, else the last fault, and one tile per device, the worst first. The size of the text depends on the width of the screen and on the number of devices.
 
+import { nameOf, open, textOf } from "./alarms.js";
 import { element, Mark, setAttribute, setText } from "./dom.js";
 import { lookOfDevice, lookOfModule, lookOfSeverity, rankOf } from "./looks.js";
-import { clock } from "./words.js";
+import { instant } from "./words.js";
 
 const kListed = 3;   // modules that a tile names
 const kTiles = 12;   // tiles that fit at full size
@@ -47,8 +48,8 @@ export class Wall {
   constructor(store) {
     this.#store = store;
     this.grid = element("div", { class: "tiles" });
-    this.fault = new Mark("p");
-    this.element = element("div", { class: "wall-view" }, this.grid, this.fault.element);
+    this.news = new Mark("p");
+    this.element = element("div", { class: "wall-view" }, this.news.element, this.grid);
   }
 
   show() {
@@ -70,12 +71,16 @@ export class Wall {
     const order = tiles.map(({ element }) => element);
     if (order.some((one, i) => this.grid.children[i] !== one) || this.grid.children.length !== order.length) this.grid.replaceChildren(...order);
     this.element.style.setProperty("--shrink", Math.min(1, Math.sqrt(kTiles / Math.max(names.length, 1))));
+    this.news.show(this.#newest());
+  }
+
+  /// The worst unacknowledged alarm, above the tiles. Without an alarm, the last fault, below them.
+  #newest() {
+    const [alarm] = open(this.#store);
+    this.element.classList.toggle("alarmed", alarm !== undefined);
+    if (alarm) return { ...lookOfSeverity(alarm.severity), word: `${nameOf(alarm)} ${textOf(alarm)} since ${instant(alarm.since_ms, {})}${alarm.state === "unacknowledged" ? "" : ", returned to normal"}. ${alarm.cause ?? ""}` };
     const last = this.#store.faults.findLast((event) => event.severity !== "note");
-    if (!last) this.fault.show({ look: "faint", sign: "good", word: "no recent errors or warnings" });
-    else {
-      const of = last.module ? `${last.device}.${last.module}` : last.device;
-      const times = last.count > 1 ? ` (${last.count} times)` : "";
-      this.fault.show({ ...lookOfSeverity(last.severity), word: `${clock(last.time_ms)} ${of}: ${last.error || last.kind}${times} ${last.cause ?? ""}` });
-    }
+    if (!last) return { look: "faint", sign: "good", word: "no recent errors or warnings" };
+    return { ...lookOfSeverity(last.severity), word: `${instant(last.time_ms, {})} ${nameOf(last)}: ${textOf(last)} ${last.cause ?? ""}` };
   }
 }

@@ -59,8 +59,8 @@ export function day(time_ms) {
 }
 
 /// Formats the time of day, with the date if it is not today.
-export function instant(time_ms) {
-  const text = clock(time_ms, { thousandths: true });
+export function instant(time_ms, precision = { thousandths: true }) {
+  const text = clock(time_ms, precision);
   return !time_ms || day(time_ms) === day(Date.now()) ? text : `${day(time_ms)} ${text}`;
 }
 
