@@ -707,16 +707,38 @@ class Web(takt_system.Case):
         wait_until(lambda: at() == 0, "the present")
         self.assertEqual("false", page.attribute(".tools button", "aria-pressed"))
 
-        # takt web keeps only some events, so the strip says which time has none.
-        self.assertRegex(page.wait_script("""
-            Promise.all([import("/store.js"), import("/strip.js")]).then(([{Store}, {Strip}]) => {
+        # The strip says which time has no events, and shows many events at one place as one mark with their number.
+        self.assertEqual(["20000 warnings, 1 note", "; some from before", "overrun late; 19999 more events here", 2], page.wait_script("""
+            Promise.all([import("/store.js"), import("/strip.js")]).then(async ([{Store}, {Strip}]) => {
               const store = new Store();
-              const strip = new Strip(document.body.appendChild(document.createElement("section")), store);
-              const fault = (i) => ({device: "robot", module: "one", kind: "overrun", severity: "warning", time_ms: Date.now() - i * 1000, count: 1});
-              store.takeFaults({whole: true, events: Array.from({length: 500}, (_, i) => fault(i))});
+              const place = document.body.appendChild(document.createElement("section"));
+              const strip = new Strip(place, store);
+              strip.canvas.element.style.cssText = "display: block; width: 1000px; height: 52px; position: fixed; inset: 0 auto auto 0";
+              const begin = Date.now() - 1800000;
+              const fault = (i, more) => ({device: "robot", module: "one", kind: "overrun", severity: "warning", cause: "late", time_ms: begin + i, count: 1, ...more});
+              let marks = 0;
+              const fill = CanvasRenderingContext2D.prototype.fill;
+              CanvasRenderingContext2D.prototype.fill = function() { ++marks; return fill.call(this); };
+              store.takeFaults({whole: true, events: Array.from({length: 500}, (_, i) => fault(19500 + i))});
               strip.show();
-              done(strip.caption.textContent);
-            }).catch((error) => done(String(error)));"""), r"^500 warnings; takt web keeps the newest 500, so none from before [\d:]+$")
+              store.takeFaults({earlier: true, events: Array.from({length: 19000}, (_, i) => fault(500 + i))});
+              strip.update({faults: true});
+              for (let i = 499; i >= 0; --i) {
+                store.takeFaults({events: [fault(i)]});  // of a device whose clock is behind
+                strip.update({faults: true});
+              }
+              store.takeFaults({events: [fault(-7200000), fault(600000, {severity: "note", kind: "command"}), fault(0, {severity: "note", kind: "log-info"})]});
+              await new Promise((drawn) => requestAnimationFrame(() => setTimeout(drawn, 100)));
+              marks = 0;
+              strip.update({faults: true});
+              const drawn = marks;
+              const all = strip.caption.textContent;
+              store.takeFaults({earlier: true, events: [], complete_since_ms: begin});
+              strip.update({faults: true});
+              const since = strip.caption.textContent.slice(all.length).replace(/ [\\d:]+ are missing$/, "");
+              strip.canvas.element.dispatchEvent(new PointerEvent("pointermove", {clientX: strip.canvas.element.clientWidth / 2 - 8, clientY: 18}));
+              done([all, since, strip.caption.textContent.replace(/^.*robot.one: /, ""), drawn]);
+            }).catch((error) => done(String(error)));"""))
         self.finish(web, apart=("willReadFrequently",))
 
     @takt_system.quiet("the browser competes with other tests for the CPUs")
@@ -843,6 +865,35 @@ class Web(takt_system.Case):
               done([address, said, view.body.querySelector(".what").textContent]);
             }).catch((error) => done(String(error)));""")
         self.assertEqual(["#/faults?text=old&select=robot.one", "2000 events; paused, 1 new", "overrun its clock is behind"], found)
+        web.signal(signal.SIGTERM)
+        self.assertEqual(0, web.wait().status, web.err)
+
+    def test_the_web_page_reads_the_events_that_are_older_than_those_of_its_stream(self):
+        web = self.serve()
+        page = self.look()
+        self.assertEqual([[1, 2, 3, 4, 5], ["api/faults?before=4", "api/faults?before=2"], 7000], page.wait_script("""
+            Promise.all([import("/stream.js"), import("/store.js")]).then(([{Stream}, {Store}]) => {
+              const fault = (sequence) => ({device: "robot", module: "one", kind: "overrun", severity: "warning", cause: "", sequence, time_ms: sequence, count: 1});
+              const store = new Store();
+              const asked = [];
+              window.fetch = async (address) => {
+                asked.push(address);
+                const older = address.endsWith("=4");
+                return {ok: true, json: async () => ({events: older ? [fault(2), fault(3)] : [fault(1)], older: older ? 2 : 0, complete_since_ms: 7000})};
+              };
+              window.EventSource = class {
+                addEventListener(name, act) {
+                  if (name !== "faults") return;
+                  setTimeout(() => act({data: JSON.stringify({whole: true, events: [fault(4)], older: 4, problems: []})}));
+                  setTimeout(() => act({data: JSON.stringify({whole: false, events: [fault(5)], problems: []})}));
+                }
+                close() {}
+              };
+              new Stream((name, data) => {
+                store.take(name, data);
+                if (store.faults.length === 5) done([store.faults.map(({sequence}) => sequence), asked, store.faultsSince]);
+              }, () => {}).rest(false);
+            }).catch((error) => done(String(error)));"""))
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait().status, web.err)
 

@@ -411,6 +411,9 @@ class Gateway(takt_system.Case):
         events.wait(lambda e: any(f["module"] == "after" for f in self.faults(e)))
         told = [f["sequence"] for f in self.faults(events)]
         self.assertEqual(sorted(set(told)), told, "each event must be listed once")
+        self.assertEqual((200, {"events": [], "older": 0, "complete_since_ms": 0}), self.ask("api/faults?before=1"), "there are no older events")
+        for wrong in ("", "x", "-1", "1 "):
+            self.assertEqual(400, self.ask("api/faults?before=" + urllib.parse.quote(wrong))[0], wrong)
         other = self.events()
         other.wait(lambda e: e.of("faults"))
         self.assertEqual(told, [f["sequence"] for f in self.faults(other)])

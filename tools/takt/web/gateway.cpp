@@ -1,6 +1,7 @@
 #include "web/gateway.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <set>
 #include <sstream>
@@ -19,7 +20,6 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr std::size_t kMostFaults = 500;   // number of the newest events that a new page gets
 constexpr std::size_t kMostProblems = 20;  // number of kept problems in reading fault records
 constexpr std::size_t kTrend = 120;        // length of the jitter series sent to a new page, in seconds
 constexpr milliseconds kTogether{20};      // state changes within this time are sent in one event
@@ -137,7 +137,7 @@ std::shared_ptr<Stream> Gateway::open(const std::string& address) {
   Json trends = Json::object();
   for (const auto& [name, module] : modules_) trends[name] = history_.of(name, kTrend).jitter_us;
   stream->send(event_text("trends", model::json_text({{"jitter_us", std::move(trends)}})));
-  stream->send(all_faults());
+  stream->send(newest_faults());
   stream->send(all_alarms());
   return stream;
 }
@@ -235,12 +235,10 @@ void Gateway::send_measures() {
   measures_ = std::move(text);
 }
 
-// Returns the event `faults` with all events that are kept. The caller must hold the lock.
-std::string Gateway::all_faults() const {
-  Json events = Json::array();
-  for (const Json& fault : faults_) events.push_back(fault);
-  return event_text(
-      "faults", model::json_text({{"whole", true}, {"events", std::move(events)}, {"problems", problems_}}));
+// Returns the event `faults` with the newest events. The caller must hold the lock.
+std::string Gateway::newest_faults() const {
+  return event_text("faults", "{\"whole\":true," + faults_.newest() +
+                                  ",\"problems\":" + model::json_text(Json(problems_)) + "}");
 }
 
 // Keeps problems that occurred while fault records were read, for the pages. The caller must hold the lock.
@@ -253,19 +251,15 @@ void Gateway::keep_problems(const Problems& problems) {
 
 void Gateway::add_faults(const std::vector<model::Fault>& faults, const Problems& problems) {
   if (faults.empty() && problems.empty()) return;
-  Json events = Json::array();
+  std::string events;
   const std::lock_guard lock{mutex_};
   for (const model::Fault& fault : faults) {
-    Json json = fault_json(fault);
     ++counted_.faults[fault.device].at(static_cast<std::size_t>(model::severity_of(fault.kind)));
-    faults_.push_back(json);
-    if (faults_.size() > kMostFaults) faults_.pop_front();
-    events.push_back(std::move(json));
+    events += (events.empty() ? "" : ",") + faults_.add(fault);
   }
   keep_problems(problems);
-  streams_.send(event_text(
-      "faults",
-      model::json_text({{"whole", false}, {"events", std::move(events)}, {"problems", problems_}})));
+  streams_.send(event_text("faults", "{\"whole\":false,\"events\":[" + events +
+                                         "],\"problems\":" + model::json_text(Json(problems_)) + "}"));
 }
 
 // Adds events from a fault record. These events happened before the gateway found the device. So they are
@@ -273,15 +267,10 @@ void Gateway::add_faults(const std::vector<model::Fault>& faults, const Problems
 void Gateway::add_record(const client::Log& read) {
   if (read.events.empty() && read.problems.empty()) return;
   const std::lock_guard lock{mutex_};
-  for (const model::Fault& fault : read.events) {
-    Json json = fault_json(fault);
-    if (std::find(faults_.begin(), faults_.end(), json) == faults_.end()) faults_.push_back(std::move(json));
-  }
-  std::stable_sort(faults_.begin(), faults_.end(),
-                   [](const Json& a, const Json& b) { return a["time_ms"] < b["time_ms"]; });
-  while (faults_.size() > kMostFaults) faults_.pop_front();
+  const auto has_lost = [](const client::DeviceLog& device) { return device.overwritten > 0; };
+  faults_.add_record(read.events, std::ranges::none_of(read.devices, has_lost));
   keep_problems(read.problems);
-  streams_.send(all_faults());
+  streams_.send(newest_faults());
 }
 
 // ---- Asking the devices
@@ -302,7 +291,7 @@ void Gateway::run_fetcher() {
 void Gateway::read_records() {
   for (const wire::ObservedDevice& seen : client_.observer->devices()) {
     if (!seen.alive || ended_ || !recorded_.insert(seen.name()).second) continue;
-    const client::Log read = client::read_log(*client_.sender, {.device = seen.name(), .last = kMostFaults});
+    const client::Log read = client::read_log(*client_.sender, {.device = seen.name()});
     add_record(read);
     follower_->go_on_after(read);
   }
@@ -434,6 +423,16 @@ Answer Gateway::graph(const std::string& collapsed) const {
   std::istringstream names{collapsed};
   for (std::string name; std::getline(names, name, ',');) page.collapsed.insert(name);
   return answer_of(Json{{"graph", graph_of(*running, page)}});
+}
+
+Answer Gateway::faults(const std::string& before) const {
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(before.data(), before.data() + before.size(), number);
+  if (error != std::errc{} || end != before.data() + before.size())
+    return answer_of(400, fail("not the number of an event: " + in_quotes(before.substr(0, 100)),
+                               "send the number in the member older"));
+  const std::lock_guard lock{mutex_};
+  return {.body = "{" + faults_.before(number) + "}"};
 }
 
 Answer Gateway::history(const std::string& module) {

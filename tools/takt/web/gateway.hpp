@@ -25,6 +25,7 @@
 
 #include "web/device_requests.hpp"
 #include "web/metrics.hpp"
+#include "web/recent_faults.hpp"
 #include "web/samples_json.hpp"
 #include "web/stream.hpp"
 #include "web/watched_ports.hpp"
@@ -51,6 +52,8 @@ class Gateway {
 
   /// The graph of the cell, in which the devices in a list of names with commas between them are collapsed.
   [[nodiscard]] Answer graph(const std::string& collapsed) const;
+  /// The fault events before the one with this number, see RecentFaults::before().
+  [[nodiscard]] Answer faults(const std::string& before) const;
   Answer history(const std::string& module);
   std::string metrics();
   [[nodiscard]] int domain() const noexcept { return client_.domain; }
@@ -71,7 +74,7 @@ class Gateway {
   void add_faults(const std::vector<model::Fault>& faults, const Problems& problems);
   void add_record(const client::Log& read);
   void keep_problems(const Problems& problems);
-  [[nodiscard]] std::string all_faults() const;
+  [[nodiscard]] std::string newest_faults() const;
   [[nodiscard]] std::string all_alarms() const;
   [[nodiscard]] std::shared_ptr<const model::Cell> cell() const;
 
@@ -91,7 +94,7 @@ class Gateway {
   std::string deployment_;                   // the name of the deployment of cell_
   std::string descriptor_;                   // the descriptor of cell_
   Instant asked_{};                          // when the gateway last got the descriptor
-  std::deque<Json> faults_;
+  RecentFaults faults_;
   std::deque<std::string> problems_;
   std::set<std::string> recorded_;  // the devices whose fault record was read
   Counted counted_;

@@ -229,6 +229,7 @@ class HttpServer final : public Server {
     });
     DeviceRequests& requests = gateway_.device_requests();
     ask("/api/history", "module", [this](const std::string& module) { return gateway_.history(module); });
+    ask("/api/faults", "before", [this](const std::string& number) { return gateway_.faults(number); });
     ask("/api/graph", "collapsed", [this](const std::string& devices) { return gateway_.graph(devices); });
     ask("/api/table", "device", [this](const std::string& device) { return gateway_.table(device); });
     ask("/api/ports", "device", [&requests](const std::string& device) { return requests.ports(device); });

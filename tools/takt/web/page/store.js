@@ -3,7 +3,8 @@
 
 import { Ports } from "./ports.js";
 
-const kFaults = 2000;
+const kFaults = 20000;  // as many as takt web keeps
+const kSlack = 1000;    // events that are removed together, so that adding one takes constant time on average
 const kSteps = 50;       // per module
 const kTrend = 120;      // seconds
 
@@ -38,8 +39,9 @@ export class Store {
   newest = new Map();
   executors = new Map();
   connections = new Map();
-  /// Fault events in order of arrival, oldest first.
+  /// Fault events in order of arrival, oldest first. The array is replaced when earlier events are added.
   faults = [];
+  faultsSince = 0;       // no event since this time is missing in `faults`, in ms
   faultsCome = 0;        // number of fault events since the page was opened
   problems = [];
   alarms = [];           // the worst first
@@ -71,7 +73,7 @@ export class Store {
       ["state", { whole: true, devices: [...this.devices.values()], modules: modules.map(({ state }) => state).filter(Boolean), steps: each("steps") }],
       ["measures", this.measures],
       ["trends", { jitter_us: each("trend") }],
-      ["faults", { whole: true, events: this.faults, problems: this.problems }],
+      ["faults", { whole: true, events: this.faults, problems: this.problems, complete_since_ms: this.faultsSince }],
       ["alarms", { alarms: this.alarms }],
     ];
     return this.cell ? events.filter(([, data]) => data) : events.slice(0, 1);
@@ -214,10 +216,16 @@ export class Store {
   takeFaults(news) {
     this.problems = news.problems ?? this.problems;
     const events = news.events ?? [];
-    if (news.whole) this.faults = [];
-    else this.faultsCome += events.length;
-    this.faults.push(...events);  // do not sort by time: new events of a device whose clock is behind would appear far down
-    if (this.faults.length > kFaults) this.faults.splice(0, this.faults.length - kFaults);
+    this.faultsSince = news.complete_since_ms ?? this.faultsSince;
+    if (news.whole) this.faults = events.slice();
+    else if (news.earlier) this.faults = events.concat(this.faults);
+    else {
+      this.faultsCome += events.length;
+      this.faults.push(...events);  // do not sort by time: new events of a device whose clock is behind would appear far down
+    }
+    if (this.faults.length > kFaults + kSlack) {
+      for (const { time_ms } of this.faults.splice(0, this.faults.length - kFaults)) this.faultsSince = Math.max(this.faultsSince, time_ms);
+    }
     this.change((changes) => { changes.faults = true; });
   }
 

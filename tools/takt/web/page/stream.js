@@ -1,6 +1,6 @@
 // Receives the gateway's events, and reconnects. An EventSource alone neither notices a silent gateway nor retries after a rejection.
 
-import { put } from "./api.js";
+import { get, put } from "./api.js";
 
 const kCheck_ms = 500;
 const kQuiet_ms = 4000;  // normally the event `measures` arrives every second
@@ -19,6 +19,7 @@ export class Stream {
   #choosing = false;
   #lastEvent = 0;
   #link = "";
+  #whole = null;       // the last event `faults` that was whole
 
   /// `take` is called with the name and the data of each event. When the connection changes, `link` is called with "connecting", "live",
   /// "quiet" or "lost". The stream is closed until rest(false).
@@ -65,7 +66,9 @@ export class Stream {
       this.#source.addEventListener(name, (event) => {
         this.receive();
         this.report("live");
-        this.take(name, JSON.parse(event.data));
+        const data = JSON.parse(event.data);
+        this.take(name, data);
+        if (name === "faults" && data.whole) this.#readEarlier(data);
         if (name !== "cell") return;  // otherwise the stream or the cell is new
         if (this.ports.length > 0) this.choose(this.ports);
         if (this.newest.length > 0) this.chooseNewest([...this.newest]);
@@ -100,6 +103,17 @@ export class Stream {
     if (this.#lastEvent === 0) return;
     if (silence > kSilent_ms) this.reconnect();
     else if (silence > kQuiet_ms) this.report("quiet");
+  }
+
+  /// Requests the events before those that a new stream sends.
+  async #readEarlier(whole) {
+    this.#whole = whole;
+    for (let before = whole.older; before > 0;) {
+      const { events, older, complete_since_ms } = await get("api/faults", { before }).catch(() => ({ events: [], older: 0 }));
+      if (this.#whole !== whole) return;
+      this.take("faults", { earlier: true, events, complete_since_ms });
+      before = older;
+    }
   }
 
   async #put() {

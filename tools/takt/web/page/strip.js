@@ -1,5 +1,5 @@
-// The strip of time below the view: the faults, losses, commands and deployments of the last hour, as marks by severity. A click on an instant
-// moves the faults and the values to this time.
+// The strip of time below the view: the faults, losses, commands and deployments of the last hour, as marks by severity. A mark for several
+// events shows their number. A click on an instant moves the faults and the values to this time.
 
 import { Canvas } from "./canvas.js";
 import { element, setAttribute, setText } from "./dom.js";
@@ -12,14 +12,19 @@ import { clock, count, instant, several } from "./words.js";
 const kSpan_ms = 3600000;
 const kTick_ms = 600000;
 const kStep_ms = 60000;
-const kKept = 500;       // events that a page gets from takt web, which keeps no more
 const kNear = 8;         // pixels from a mark at which the pointer selects the mark
+const kMark = 10;        // width of a mark and the space beside it, in pixels
+const kDigit = 7;        // width of a digit of the number beside a mark
+const kRight = 28;       // space for the number beside a mark of the present
 const kLane = 12, kLanes = ["error", "warning", "note"];
 const kViews = ["faults", "plots", "watch"];  // the views that show an instant
 
 export class Strip {
   #store;
-  #events = [];
+  #events = [];   // of the last hour, by their time
+  #from = null;   // the store's array from which they come
+  #come = 0;      // the number of events that had come then
+  #groups = [];   // the events of each mark, as {lane, x, width, events}
   #pointer = null;
 
   constructor(place, store) {
@@ -46,30 +51,71 @@ export class Strip {
   }
 
   #showAll() {
-    const from = this.#store.now - kSpan_ms;
-    const isLogged = ({ severity, kind }) => severity === "note" && kind.startsWith("log-");
-    this.#events = this.#store.faults.filter((event) => event.time_ms > from && !isLogged(event)).sort((a, b) => a.time_ms - b.time_ms);
-    // With fewer events, the page has all of the fault records.
-    this.oldest = this.#store.faults.length >= kKept ? Math.min(...this.#store.faults.map(({ time_ms }) => time_ms)) : 0;
+    this.#collect();
     setAttribute(this.live, "aria-pressed", String(shownInstant() === null));
     this.canvas.redraw();
     this.#say();
   }
 
-  #x(time) {
-    return (1 - (this.#store.now - time) / kSpan_ms) * this.canvas.element.clientWidth;
+  /// Takes the events that have come since the last call, and drops those that are older than an hour.
+  #collect() {
+    const { faults, faultsCome, now } = this.#store;
+    const shown = faults === this.#from ? faults.slice(faults.length - Math.min(faultsCome - this.#come, faults.length)) : faults;
+    if (faults !== this.#from) this.#events = [];
+    [this.#from, this.#come] = [faults, faultsCome];
+    let ordered = true;
+    for (const event of shown) {
+      if (event.severity === "note" && event.kind.startsWith("log-")) continue;
+      ordered &&= event.time_ms >= (this.#events.at(-1)?.time_ms ?? 0);
+      this.#events.push(event);
+    }
+    if (!ordered) this.#events.sort((a, b) => a.time_ms - b.time_ms);
+    const first = this.#events.findIndex(({ time_ms }) => time_ms > now - kSpan_ms);
+    this.#events.splice(0, first < 0 ? this.#events.length : first);
   }
 
-  /// The newest event of the nearest mark.
-  #near({ offsetX: x, offsetY: y }) {
-    const far = (event) => Math.abs(this.#x(event.time_ms) - x) + Math.abs(laneOf(event) - y);
-    return this.#events.filter((event) => Math.abs(this.#x(event.time_ms) - x) <= kNear).reduce((best, event) => (best && far(best) < far(event) ? best : event), undefined);
+  #x(time) {
+    return (1 - (this.#store.now - time) / kSpan_ms) * this.#width;
+  }
+
+  /// The width of an hour.
+  get #width() {
+    return this.canvas.element.clientWidth - kRight;
+  }
+
+  /// Joins the events whose marks would cover each other.
+  #group() {
+    const last = {};
+    this.#groups = [];
+    const width = this.#width / kSpan_ms;
+    const left = this.#store.now - kSpan_ms;
+    for (const event of this.#events) {
+      const x = (event.time_ms - left) * width;
+      const group = last[event.severity];
+      if (group && x < group.x + group.width) {
+        group.events.push(event);
+        group.width = 1.5 * kMark + kDigit * String(group.events.length).length;
+      } else this.#groups.push(last[event.severity] = { severity: event.severity, x, width: kMark, events: [event] });
+    }
+  }
+
+  /// The mark at the pointer, or undefined.
+  #groupAt({ offsetX: x, offsetY: y }) {
+    const far = (group) => Math.max(group.x - x, x - group.x - group.width + kMark, 0) + Math.abs(laneOf(group) - y);
+    return this.#groups.filter((group) => x >= group.x - kNear && x <= group.x + group.width - kMark + kNear)
+      .reduce((best, group) => (best && far(best) < far(group) ? best : group), undefined);
+  }
+
+  /// The event at the pointer: of the nearest mark, the newest of its nearest events.
+  #near(pointer) {
+    const far = (event) => Math.abs(this.#x(event.time_ms) - pointer.offsetX);
+    return this.#groupAt(pointer)?.events.reduce((best, event) => (far(best) < far(event) ? best : event));
   }
 
   #click(event) {
     const [at, near, x] = [shownInstant(), this.#near(event)?.time_ms, event.offsetX];
     const again = at !== null && (near === at || Math.abs(this.#x(at) - x) <= kNear / 2);
-    this.#choose(again ? null : near ?? Math.round(this.#store.now - (1 - x / this.canvas.element.clientWidth) * kSpan_ms));
+    this.#choose(again ? null : near ?? Math.round(this.#store.now - Math.max(0, 1 - x / this.#width) * kSpan_ms));
   }
 
   focus() {
@@ -108,9 +154,11 @@ export class Strip {
     const at = shownInstant();
     const pointed = this.#pointer === null ? undefined : this.#near(this.#pointer);
     const event = pointed ?? this.#events.findLast(({ time_ms }) => time_ms === at);
-    const kept = this.oldest > this.#store.now - kSpan_ms ? `; takt web keeps the newest ${kKept}, so none from before ${clock(this.oldest)}` : "";
-    const all = kLanes.map((name) => [name, this.#events.filter(({ severity }) => severity === name).length]).filter(([, n]) => n > 0);
-    const text = event ? said(event) : at !== null ? `at ${instant(at)}` : `${all.map(([name, n]) => several(n, name)).join(", ") || "no events"}${kept}`;
+    const others = pointed ? this.#groupAt(this.#pointer).events.length - 1 : 0;
+    const kept = this.#store.faultsSince > this.#store.now - kSpan_ms ? `; some from before ${clock(this.#store.faultsSince)} are missing` : "";
+    const all = kLanes.map((name) => [name, this.#events.reduce((n, { severity }) => n + (severity === name), 0)]).filter(([, n]) => n > 0);
+    const text = event ? said(event) + (others > 0 ? `; ${several(others, "more event")} here` : "")
+      : at !== null ? `at ${instant(at)}` : `${all.map(([name, n]) => several(n, name)).join(", ") || "no events"}${kept}`;
     const present = at !== null && !kViews.includes(currentRoute().view) ? "; this view shows the present" : "";
     setText(this.caption, text + present);
     setAttribute(this.caption, "data-look", event ? lookOfSeverity(event.severity).look : "faint");
@@ -122,7 +170,7 @@ export class Strip {
     const from = this.#store.now - kSpan_ms;
     const lanes = kLane * kLanes.length;
     context.fillStyle = colour("odd");
-    if (this.oldest > from) context.fillRect(0, 0, this.#x(this.oldest), lanes);
+    if (this.#store.faultsSince > from) context.fillRect(0, 0, this.#x(this.#store.faultsSince), lanes);
     context.font = '11px system-ui, "DejaVu Sans", sans-serif';
     for (let time = Math.ceil(from / kTick_ms) * kTick_ms; time < from + kSpan_ms; time += kTick_ms) {
       context.fillStyle = colour("grid");
@@ -130,7 +178,8 @@ export class Strip {
       context.fillStyle = colour("faint");
       if (this.#x(time) + 36 < width) context.fillText(clock(time).slice(0, 5), Math.round(this.#x(time)) + 3, height - 2);
     }
-    for (const event of this.#events) mark(context, this.#x(event.time_ms), laneOf(event), event.severity);
+    this.#group();
+    for (const { x, events, severity } of this.#groups) mark(context, x, laneOf({ severity }), severity, events.length);
     const at = shownInstant();
     if (at === null) return;
     context.fillStyle = colour("accent");
@@ -141,13 +190,14 @@ export class Strip {
 /// Each severity has a lane and a shape of its own.
 const laneOf = ({ severity }) => kLane * (kLanes.indexOf(severity) + 0.5);
 
-function mark(context, x, y, severity) {
+function mark(context, x, y, severity, number) {
   context.fillStyle = colour({ error: "bad", warning: "poor" }[severity] ?? "accent");
   context.beginPath();
   if (severity === "error") context.moveTo(x, y - 5), context.lineTo(x + 5, y + 4), context.lineTo(x - 5, y + 4);
   else if (severity === "warning") context.moveTo(x, y - 5), context.lineTo(x + 4, y), context.lineTo(x, y + 5), context.lineTo(x - 4, y);
   else context.arc(x, y, 2.5, 0, 7);
   context.fill();
+  if (number > 1) context.fillText(String(number), x + kMark - 3, y + 4);
 }
 
 function said(event) {
