@@ -476,6 +476,11 @@ class Web(takt_system.Case):
         page.show()
         plots()
         self.assertEqual(1, self.viewers(), "all tabs must share one event stream")
+        # A tab that plots a port of another tab gets also the values from before it was opened.
+        before = number()
+        page.open_tab(self.address + "#/plots?port=robot.source.out", "window")
+        plots()
+        self.assertLess(int(page.text(".legend-table td[data-label=minimum]")), before - 50)
         self.finish(web)
 
     def test_the_web_page_is_read_only_without_the_token(self):

@@ -294,6 +294,16 @@ class Gateway(takt_system.Case):
         first = other.wait(lambda e: e.of("points"))[0]
         self.assertTrue(first["whole"])
         self.assertGreaterEqual(len(first["times_ms"]), 60)
+        # A list that names a port again sends no value twice, unless the request asks for all its values.
+        self.ask(path, {"ports": ["left.source.out"]}, "PUT")
+        before = len(events.of("points"))
+        events.wait(lambda e: len(e.of("points")) > before + 2)
+        self.assertEqual([True] + [False] * (len(events.of("points")) - 1), [p["whole"] for p in events.of("points")])
+        self.assertEqual(1, len(events.of("port")))
+        self.ask(path, {"ports": ["left.source.out"], "again": ["left.source.out"]}, "PUT")
+        again = events.wait(lambda e: [p for p in e.of("points") if p["whole"]][1:])[0]
+        self.assertEqual(numbers()[:20], again["values"][0][:20])
+        self.assertEqual(2, len(events.of("port")))
         # A new list of ports replaces the old list. The gateway must report each wrong port.
         status, said = self.ask(path, {"ports": ["left.source.ouy", "left.nobody.out", "x"]}, "PUT")
         self.assertEqual(200, status)

@@ -403,7 +403,8 @@ Answer Gateway::watch(const std::string& id, const std::string& body) {
   const Json asked = model::parse_json(body);
   const auto plotted = list_in(asked, "ports", WatchedPorts::kMost);
   const auto newest = list_in(asked, "newest", WatchedPorts::kMostNewest);
-  if (!plotted || !newest || (!*plotted && !*newest)) {
+  const auto again = list_in(asked, "again", WatchedPorts::kMost);
+  if (!plotted || !newest || !again || (!*plotted && !*newest)) {
     return answer_of(
         400, fail("not a valid list of ports: " + in_quotes(body.substr(0, 100)),
                   R"(send {"ports": ["device.module.port"]}, with at most )" +
@@ -411,7 +412,7 @@ Answer Gateway::watch(const std::string& id, const std::string& body) {
                       std::to_string(WatchedPorts::kMostNewest)));
   }
   Json problems = Json::array();
-  for (const Problem& problem : watched_->want(stream, *plotted, *newest))
+  for (const Problem& problem : watched_->want(stream, *plotted, *newest, *again))
     problems.push_back({{"port", problem.where}, {"what", problem.what}, {"fix", problem.fix}});
   return answer_of(Json{{"problems", std::move(problems)}});
 }

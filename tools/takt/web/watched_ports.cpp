@@ -183,8 +183,8 @@ std::map<std::string, Problems> WatchedPorts::ask(const std::map<std::string, bo
   return failed;
 }
 
-Problems WatchedPorts::want(const std::shared_ptr<Stream>& stream, const Ports& plotted,
-                            const Ports& newest) {
+Problems WatchedPorts::want(const std::shared_ptr<Stream>& stream, const Ports& plotted, const Ports& newest,
+                            const Ports& again) {
   std::map<std::string, bool> missing;
   {
     const std::lock_guard lock{mutex_};
@@ -213,12 +213,17 @@ Problems WatchedPorts::want(const std::shared_ptr<Stream>& stream, const Ports& 
     return nullptr;
   };
   if (plotted) {
-    view.plotted.clear();
+    auto before = std::exchange(view.plotted, {});
+    for (const std::string& port : again.value_or(std::vector<std::string>{})) before.erase(port);
     for (const std::string& port : *plotted) {
       const Source* const source = source_of(port, true);
       if (source == nullptr) continue;
-      view.plotted[port] = 0;
-      stream->send(event_text("port", model::json_text(source->description(port))));
+      const auto [has, is_new] = view.plotted.insert({port, 0});
+      if (const auto known = before.find(port); known != before.end()) {
+        has->second = known->second;
+      } else if (is_new) {
+        stream->send(event_text("port", model::json_text(source->description(port))));
+      }
     }
   }
   if (newest) {

@@ -37,9 +37,11 @@ class WatchedPorts {
 
   using Ports = std::optional<std::vector<std::string>>;
   /// Replaces the lists of ports of which a stream gets all values and only the newest value. A list that is
-  /// not given stays. Asks the ports' devices, which may take a few seconds. Each problem names in `where` a
-  /// port whose values the stream will not get.
-  Problems want(const std::shared_ptr<Stream>& stream, const Ports& plotted, const Ports& newest);
+  /// not given stays. The stream gets all values of the ports that were not on its list, and of those in
+  /// `again`. Asks the ports' devices, which may take a few seconds. Each problem names in `where` a port
+  /// whose values the stream will not get.
+  Problems want(const std::shared_ptr<Stream>& stream, const Ports& plotted, const Ports& newest,
+                const Ports& again);
   /// Sends to each stream the values of its ports that arrived since the last call, and each newest value
   /// that differs from the one that the stream has.
   void send();

@@ -171,7 +171,7 @@ function listen() {
 }
 
 store.listen((changes) => {
-  if (changes.cell) store.ports.ask();  // the gateway has dropped the ports of the former cell
+  if (changes.cell) store.ports.ask();  // the new cell may have ports that the former one did not have
   showHeader(changes);
   if (changes.alarms) alarms.update();
   shown?.update(changes);

@@ -5,7 +5,7 @@ import { ValueRows } from "./value_rows.js";
 
 const kMost = 32;        // limit of the ports of a stream
 const kAgain_ms = 3000;
-const kLeave_ms = 60000;  // Every request makes the gateway send all values again, so a port that is not shown stays on the list for a while.
+const kLeave_ms = 60000;  // a port that is not shown stays on the list for a while, because the user may return to it
 const kEvery_ms = 250;   // people cannot read numbers that change faster
 
 /// The port of a field, as device.module.port.field.
@@ -67,7 +67,7 @@ export class Ports {
     const port = this.#ports.get(data.port);
     if (!port || (name === "points" && !port.fields)) return;
     if (name === "port") {
-      // After each request, the description comes again, followed by all values. Until then, the known values stay.
+      // If another tab has requested all values again, the description comes again. Until the values follow, the known ones stay.
       if (JSON.stringify(data.fields) === JSON.stringify(port.fields)) return;
       Object.assign(port, { type: data.type, fields: data.fields });
       port.rows.clear();

@@ -30,8 +30,9 @@ function sendLink() {
   send("link", { link: store.link, since: store.linkSince });
 }
 
-function choose() {
-  return stream.choose([...new Set([...tabs.values()].flatMap((tab) => tab.ports))]);
+/// `news` are the ports that a tab did not show before. It needs all their values, even if another tab shows them.
+function choose(news) {
+  return stream.choose([...new Set([...tabs.values()].flatMap((tab) => tab.ports))], news);
 }
 
 /// Chooses the newest values of the ports that visible tabs show.
@@ -52,8 +53,9 @@ onconnect = ({ ports: [tab] }) => {
     if (newest) tab.postMessage(["newest", { values: Object.fromEntries(store.newest) }]);
     chooseNewest();
     if (!ports) return;
+    const news = ports.filter((port) => !about.ports.includes(port));
     about.ports = ports;
-    const problems = await choose();
+    const problems = await choose(news);
     tab.postMessage(["problems", { request, problems: problems.filter(({ port }) => !port || ports.includes(port)) }]);
   };
 };

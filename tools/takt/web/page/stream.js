@@ -16,6 +16,7 @@ export class Stream {
   #timer;
   #sent = Promise.resolve();
   #next = null;
+  #again = new Set();  // see choose()
   #choosing = false;
   #lastEvent = 0;
   #link = "";
@@ -37,9 +38,11 @@ export class Stream {
     this.open();
   }
 
-  /// Chooses the ports whose values the gateway sends. Returns the problems, each with `port`, `what` and `fix`.
-  choose(ports) {
+  /// Chooses the ports whose values the gateway sends: all values of a port that was not on the list, or is in `again`, and then the new
+  /// ones. Returns the problems, each with `port`, `what` and `fix`.
+  choose(ports, again = []) {
     this.ports = ports;
+    for (const port of again) this.#again.add(port);
     this.#next ??= this.#sent.then(() => this.#put());  // one request after the other, so that the last list takes effect
     return this.#next;
   }
@@ -119,9 +122,11 @@ export class Stream {
   async #put() {
     this.#sent = this.#next;
     this.#next = null;
+    const again = [...this.#again];
+    this.#again.clear();
     if (!this.#id) return [];  // open() chooses the ports again
     try {
-      return (await put(`api/streams/${this.#id}/ports`, { ports: this.ports })).problems ?? [];
+      return (await put(`api/streams/${this.#id}/ports`, { ports: this.ports, ...again.length > 0 ? { again } : {} })).problems ?? [];
     } catch (problem) {
       return [{ what: problem.what ?? problem.message, fix: problem.fix }];
     }
