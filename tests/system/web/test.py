@@ -37,6 +37,17 @@ for (let i = 0; i < pixels.length; i += 4) {
 return found;
 """
 
+# This script returns the colour of a pixel of a screenshot, at a place in an element.
+PIXEL = """
+const [shot, selector, across, down] = arguments;
+createImageBitmap(new Blob([Uint8Array.from(atob(shot), (letter) => letter.charCodeAt(0))], {type: "image/png"})).then((picture) => {
+  const {x, y, width, height} = document.querySelector(selector).getBoundingClientRect();
+  const context = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
+  context.drawImage(picture, 0, 0);
+  done([...context.getImageData(x + across * width, y + down * height, 1, 1).data]);
+});
+"""
+
 
 def listens(port):
     with socket.socket() as client:
@@ -102,6 +113,10 @@ class Web(takt_system.Case):
         page.wait_for("#alarms", r"^\d+ unacknowledged alarm")
         row = "tr[data-alarm='line.fails']"
         page.wait_for("tr[data-module='line.fails'] .alarm", "^alarm$")
+        page.prefer("light")
+        page.wait_for_attribute("html", "data-theme", "light")
+        self.assertGreater(min(page.wait_script(PIXEL, page.driver.get_screenshot_as_base64(), "#alarms .sign", 8 / 16, 8 / 16)[:3]), 128,
+                           "the exclamation mark in the sign has the colour of the page")
         page.click("#alarms a")  # without a token, the view has no enabled button
         page.wait_for(row, "unacknowledged.*line.fails.*error: failure")
         page.wait_for(".tools", "read-only")
