@@ -128,6 +128,7 @@ class Web(takt_system.Case):
         page.wait_for_attribute("[data-module='robot.program']", "data-state", "EXECUTING")
         page.wait_for_attribute("[data-module='robot.program']", "data-look", "poor")
         page.wait_for("[data-module='robot.program'] text", "^alarm$")
+        page.wait_for("[role=treeitem]", "^program alarm$")
 
         page.open(self.address + "#token=" + TOKEN)
         page.wait_for("#rights", "may command")
