@@ -982,6 +982,11 @@ class Web(takt_system.Case):
                           .map((one) => `${one.textContent}: ${one.getBoundingClientRect().height}`)"""))
                     self.assertEqual([], page.script(TABS), "tabs that are not in one line, or too small for a finger, or not shown when selected")
             if width == 390:
+                page.go("#/cell?select=robot")
+                page.wait_for("#details h2", "^robot$")
+                self.assertEqual([], page.texts(".zoom"), "the buttons would cover most of the drawing")
+                page.go("#/cell")
+                wait_until(lambda: page.texts(".zoom"), "the buttons of the drawing")
                 page.go("#/modules?select=robot.tuned")
                 wait_until(lambda: page.script("return document.querySelector('#details [data-verb=stop]').getBoundingClientRect().height") >= 60,
                            "a button for Stop that is large enough for a thumb")
