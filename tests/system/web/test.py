@@ -997,6 +997,15 @@ class Web(takt_system.Case):
                 time.sleep(0.3)
                 self.assertGreater(page.script("return document.querySelector('.drawing .state-word').getBoundingClientRect().height"), 7,
                                    "the text of the drawing must be legible at %d x %d px" % (width, high))
+        page.size(768, 1024)
+        page.go("#/alarms")
+        page.wait_for(".alarms .mark .word", "^unacknowledged")
+        self.assertEqual([], page.script("""
+            const top = (one) => one.getBoundingClientRect().top;
+            return [...document.querySelectorAll(".alarms .mark")].filter((mark) => {
+              mark.querySelector(".word").textContent = "unacknowledged, returned to normal, and some more words in a second line";
+              return top(mark.querySelector(".sign")) - top(mark.querySelector(".word")) > 6;
+            }).map((mark) => mark.textContent);"""), "signs that do not stand in the first line of their words")
         for width in (768, 801, 1001, 1024, 1280):
             page.size(width, 900)
             for view in ("modules", "modules?select=robot.tuned") if width >= 1280 else ("modules",):
