@@ -101,7 +101,7 @@ void sort_by_time(std::vector<model::Fault>& events) {
   for (auto& [at, event] : placed) events.push_back(std::move(event));
 }
 
-Log read_log(Operator& sender, const model::FaultFilter& filter) {
+Log read_log(Operator& sender, const model::FaultFilter& filter, const std::function<bool()>& give_up) {
   std::set<std::string> names;
   std::set<std::string> missed;
   std::set<std::string> not_found;
@@ -127,7 +127,7 @@ Log read_log(Operator& sender, const model::FaultFilter& filter) {
   }
   std::vector<CommandRequest> requests;
   for (const std::string& name : names) requests.push_back(request_of(name, filter));
-  auto answers = sender.send(requests);
+  auto answers = sender.send(requests, give_up);
   for (std::size_t i = 0; i < answers.size(); ++i) {
     const auto answer = accepted(std::move(answers[i]));
     if (answer)

@@ -72,7 +72,8 @@ class Watch(takt_system.Case):
         terminal.wait_for(r"^ +program +\* EXECUTING +%s +%s +[_.,\-=+*# ]+ - +\d+ +0 +\d+$" % (number, number))
         terminal.wait_for(r"^ +fails +! RECOVER .*failure: run\(\)")
         terminal.wait_for(r"^takt watch  cell  domain %d  2 devices  1 unacknowledged alarm  4 modules  1 RECOVER +\d\d:\d\d:\d\d$" % self.domain)
-        # The lines at the bottom show the last event and the keys.
+        # The lines at the bottom show the last event, the last faults, also those from before a takt watch began, and the keys.
+        terminal.wait_for(r"^  \d\d:\d\d:\d\d\.\d{3} line\.fails: error: failure ")
         terminal.wait_for(r"^  \d\d:\d\d:\d\d\.\d{3} line\.fails: EXECUTING -> RECOVER")
         terminal.wait_for(r"^Enter details .*q quit")
         self.running["robot"].signal(signal.SIGKILL)
@@ -83,6 +84,7 @@ class Watch(takt_system.Case):
         # A takt watch that starts now also shows the loss.
         late, second = self.open()
         late.wait_for(r"^[> ] robot +X LOST")
+        late.wait_for(r"^  \d\d:\d\d:\d\d\.\d{3} line: device-lost ")
         late.wait_for(r"  2 devices, 1 LOST  2 unacknowledged alarms  4 modules  2 LOST")
         self.assertNotIn("all EXECUTING", late.text)
         self.leave(late, second, lambda: late.press("q"))

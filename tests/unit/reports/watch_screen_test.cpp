@@ -22,6 +22,7 @@ TEST(WatchScreen, EveryPageFitsATerminalOfAnySize) {
   Snapshot snapshot = cell(30);
   snapshot.connections_known = true;
   snapshot.events = {"one", std::string(300, 'e'), "three"};
+  snapshot.faults = {{.text = "four"}, {.text = std::string(300, 'f'), .error = true}};
   snapshot.commands = {"stop of robot.m3, 2 s"};
   snapshot.devices[1].modules[3].text = std::string(500, 't');
   snapshot.devices[1].modules[3].ports = {{.name = std::string(80, 'p'), .type = std::string(80, 't')}};
@@ -97,10 +98,31 @@ TEST(WatchScreen, ShortensACountThatDoesNotFit) {
   EXPECT_EQ(shown(18'446'744'073'709'551'615U, 4), " 18E");
 }
 
+TEST(WatchScreen, ShowsTheLastFaultsAndEventsBelowTheList) {
+  const auto below = [](std::size_t events, std::size_t faults) {
+    Snapshot snapshot = cell(30);
+    for (std::size_t i = 0; i < events; ++i) snapshot.events.push_back("event " + std::to_string(i));
+    for (std::size_t i = 0; i < faults; ++i)
+      snapshot.faults.push_back({.text = "fault " + std::to_string(i)});
+    View view;
+    std::vector<std::string> found;
+    for (const std::string& line : draw(snapshot, view, 80, 24, {}).lines) {
+      if (line.starts_with("  event") || line.starts_with("  fault")) found.push_back(line.substr(2));
+    }
+    return found;
+  };
+  using testing::ElementsAre;
+  EXPECT_THAT(below(9, 9), ElementsAre("event 7", "event 8", "fault 7", "fault 8"));
+  EXPECT_THAT(below(1, 9), ElementsAre("event 0", "fault 6", "fault 7", "fault 8"));
+  EXPECT_THAT(below(9, 1), ElementsAre("event 6", "event 7", "event 8", "fault 0"));
+  EXPECT_THAT(below(1, 0), ElementsAre("event 0"));
+}
+
 TEST(WatchScreen, EscapesControlCharactersInTexts) {
   Snapshot snapshot = cell(1);
   snapshot.devices[0].modules[0].text = "first\nsecond\x1b[2J";
   snapshot.events = {"c\nd"};
+  snapshot.faults = {{.text = "e\x1b[2J\nf"}};
   const std::string shown = drawn(snapshot, {.message = "a\x1b]0;b\nb"}, 120, 24);
   EXPECT_THAT(shown, Not(ContainsRegex("\x1b")));
   EXPECT_EQ(std::count(shown.begin(), shown.end(), '\n'), 24);

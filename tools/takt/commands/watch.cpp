@@ -8,12 +8,14 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <thread>
 
 #include <fmt/format.h>
 
 #include <takt/client/answer_data.hpp>
 #include <takt/client/connection.hpp>
+#include <takt/client/log.hpp>
 #include <takt/core/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/os/clock.hpp>
@@ -50,6 +52,7 @@ class News {
   struct Piece {
     std::string line;
     std::optional<LifecycleStatus> transition{};  ///< the transition that the line describes, if any
+    std::optional<model::Fault> fault{};          ///< an event of a fault record; then there is no line
   };
   explicit News(os::Notice notice) : notice_(std::move(notice)) {}
 
@@ -200,6 +203,47 @@ class Requests {
   std::vector<std::unique_ptr<Open>> open_;
 };
 
+/// Reads the last faults of each device, and those that it records later. A node may be slow to answer, so
+/// the faults have their own thread.
+class Faults {
+ public:
+  /// `client` and `news` must outlive the object.
+  Faults(const client::Connection& client, std::unique_ptr<client::LogFollower> follower, News& news)
+      : client_(client), follower_(std::move(follower)), news_(news), thread_{[this] { run(); }} {}
+  Faults(const Faults&) = delete;
+  Faults& operator=(const Faults&) = delete;
+  ~Faults() {
+    ended_ = true;
+    thread_.join();
+  }
+
+ private:
+  static constexpr std::size_t kLast = 20;  // events that are read of each device
+  void run() {
+    std::set<std::string> read;
+    while (!ended_) {
+      for (const wire::ObservedDevice& device : client_.observer->devices()) {
+        if (!device.alive || !read.insert(device.name()).second) continue;
+        const client::Log log = client::read_log(*client_.sender, {.device = device.name(), .last = kLast},
+                                                 [this] { return ended_.load(); });
+        follower_->go_on_after(log);
+        add(log.events);
+      }
+      Problems problems;
+      add(follower_->next(*client_.sender, std::chrono::milliseconds{100}, problems));
+    }
+  }
+  void add(const std::vector<model::Fault>& faults) {
+    for (const model::Fault& fault : faults) news_.add({.line = "", .fault = fault});
+  }
+
+  const client::Connection& client_;
+  std::unique_ptr<client::LogFollower> follower_;
+  News& news_;
+  std::atomic<bool> ended_{false};
+  std::thread thread_;
+};
+
 /// The interactive screen of takt watch.
 class Screen {
  public:
@@ -236,7 +280,10 @@ class Screen {
 void Screen::take_news() {
   for (News::Piece& piece : news_.take()) {
     if (piece.transition) watched_.add(*piece.transition);
-    watched_.add(piece.line);
+    if (piece.fault)
+      watched_.add(*piece.fault);
+    else
+      watched_.add(piece.line);
   }
 }
 
@@ -384,7 +431,10 @@ int follow(const WatchOptions& options) {
        .statistics = true});
   if (!client) return refuse(client.problems());
   if (!os::Keyboard::is_terminal()) return print_lines(options, *signals, news);
+  auto follower = client::LogFollower::create(client->participant);
+  if (!follower) return refuse(follower.problems());
   Screen screen{*client, news};
+  const Faults faults{*client, std::move(*follower), news};
   return screen.show(*signals, options.seconds);
 }
 

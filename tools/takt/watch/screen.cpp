@@ -155,9 +155,16 @@ Around around(const Snapshot& snapshot, const View& view, std::size_t columns, s
   around.above.push_back(title(snapshot, columns));
   if (view.page == Page::list) {
     around.above.push_back(list_heading(view, columns, style));
-    const std::size_t events = std::min({snapshot.events.size(), lines / 6, std::size_t{8}});
+    // The last faults have half of the lines below the list, and the lines that the events leave.
+    const std::size_t room = std::min(lines / 6, std::size_t{8});
+    const std::size_t faults =
+        std::min(snapshot.faults.size(), room - std::min(snapshot.events.size(), room / 2));
+    const std::size_t events = std::min(snapshot.events.size(), room - faults);
     for (std::size_t i = snapshot.events.size() - events; i < snapshot.events.size(); ++i)
       around.below.push_back(Line{}.gap(2).add(snapshot.events[i], Ink::dim));
+    for (std::size_t i = snapshot.faults.size() - faults; i < snapshot.faults.size(); ++i)
+      around.below.push_back(
+          Line{}.gap(2).add(snapshot.faults[i].text, snapshot.faults[i].error ? Ink::bad : Ink::warning));
   } else {
     around.above.push_back(Line{}.add(view.page == Page::details       ? view.chosen
                                       : view.page == Page::connections ? "connections"

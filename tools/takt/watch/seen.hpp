@@ -110,6 +110,13 @@ struct Connection {
   std::optional<CellHealth::Connection> health{};  ///< none if no node has reported it
 };
 
+/// An error or a warning in the fault record of a device.
+struct Fault {
+  std::int64_t time_ns = 0;
+  std::string text;
+  bool error = false;
+};
+
 struct Snapshot {
   int domain = 0;
   std::string clock{};     ///< local time, for example "12:34:56"
@@ -117,7 +124,8 @@ struct Snapshot {
   std::vector<Device> devices{};
   std::vector<Connection> connections{};
   bool connections_known = false;     ///< true: at least one node has reported its connections
-  std::vector<std::string> events{};  ///< the newest events, oldest first
+  std::vector<std::string> events{};  ///< the newest transitions and losses, oldest first
+  std::vector<Fault> faults{};        ///< the newest errors and warnings of the fault records, oldest first
   /// The newest samples of the outputs that the details need, by "device.module.port".
   std::map<std::string, std::string> values{};
   std::vector<std::string> commands{};  ///< unanswered commands, with their age: "stop of robot.servo, 3 s"

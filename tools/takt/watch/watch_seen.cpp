@@ -165,6 +165,20 @@ void Watched::add(const std::string& event) {
   if (events_.size() > kEvents) events_.pop_front();
 }
 
+void Watched::add(const model::Fault& fault) {
+  const model::Severity severity = model::severity_of(fault.kind);
+  if (severity == model::Severity::note) return;
+  const auto later = std::ranges::upper_bound(faults_, fault.time_ns, {}, &watch::Fault::time_ns);
+  faults_.insert(later, {.time_ns = fault.time_ns,
+                         .text = fmt::format(
+                             "{} {}{}{}: {}{}{} {}", watch::clock_text(fault.time_ns), fault.device,
+                             fault.module.empty() ? "" : ".", fault.module, model::to_text(fault.kind),
+                             fault.error.empty() ? "" : ": " + fault.error,
+                             fault.count > 1 ? fmt::format(" ({} times)", fault.count) : "", fault.cause),
+                         .error = severity == model::Severity::error});
+  if (faults_.size() > kEvents) faults_.pop_front();
+}
+
 void Watched::add(const std::string& deployment, std::shared_ptr<const model::Cell> cell) {
   if (cell != nullptr) cells_[deployment].cell = std::move(cell);
 }
@@ -230,7 +244,8 @@ watch::Snapshot Watched::snapshot(const std::vector<wire::ObservedDevice>& devic
   });
   watch::Snapshot snapshot{.domain = domain_,
                            .clock = watch::clock_text(os::wall_ns()).substr(0, 8),
-                           .events = {events_.begin(), events_.end()}};
+                           .events = {events_.begin(), events_.end()},
+                           .faults = {faults_.begin(), faults_.end()}};
   std::set<std::string> modules;
   for (const wire::ObservedDevice& each : devices) {
     const DeviceStatus& s = each.status;

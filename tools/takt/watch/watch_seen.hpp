@@ -11,6 +11,7 @@
 #include <takt/client/history.hpp>
 #include <takt/core/time.hpp>
 #include <takt/model/cell.hpp>
+#include <takt/model/fault.hpp>
 #include <takt/wire/cell_state.hpp>
 
 #include "watch/seen.hpp"
@@ -27,6 +28,8 @@ class Watched {
   void add(const LifecycleStatus& status);
   /// Adds a line to the list of events.
   void add(const std::string& event);
+  /// Adds an event of a fault record. Notes are left out.
+  void add(const model::Fault& fault);
   /// Sets the cell of a deployment. If `cell` is null, because the node did not send its descriptor, nothing
   /// changes.
   void add(const std::string& deployment, std::shared_ptr<const model::Cell> cell);
@@ -60,6 +63,7 @@ class Watched {
   client::History history_;
   std::map<std::string, std::vector<watch::Transition>> transitions_;  // for each module, by DEVICE.MODULE
   std::deque<std::string> events_;
+  std::deque<watch::Fault> faults_;  // by time
   struct Known {
     std::shared_ptr<const model::Cell> cell;
     Instant asked{};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,8 +32,9 @@ struct Log {
 
 /// Reads the fault record of the filter's device. If the filter names no device, reads the records of all
 /// devices that all_reports() finds. Then `problems` lists each device that other devices have lost, and each
-/// device that other devices name but that this program does not find.
-Log read_log(Operator& sender, const model::FaultFilter& filter);
+/// device that other devices name but that this program does not find. Waits no longer for answers when
+/// `give_up` returns true.
+Log read_log(Operator& sender, const model::FaultFilter& filter, const std::function<bool()>& give_up = {});
 
 /// Sorts the events by time. The sequence numbers of a device may then not be in order, because a node's rate
 /// limit merges events, and records a merged event up to a second after the event's time. If the clock of a
