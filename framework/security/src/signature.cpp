@@ -53,7 +53,7 @@ Result<void> write_signature(const std::string& path, const std::string& signatu
   std::error_code error;
   if (std::filesystem::is_symlink(target, error)) {
     if (const auto writers = os::check_writers(path); !writers)
-      return Problem{path, "is a link that other users may change: " + writers.problems()[0].what,
+      return Problem{path, "is a link that takt sign does not follow: " + writers.problems()[0].what,
                      "remove the link"};
     while (std::filesystem::is_symlink(target, error))
       target = target.parent_path() / std::filesystem::read_symlink(target, error);

@@ -582,7 +582,7 @@ std::size_t resident_bytes() {
 }
 
 // Fast DDS would send fragment 1 to this reader in an endless loop: 0xfffffff1 + 16 overflows to it.
-TEST_F(DdsGateway, DoesNotSendFragmentsWhoseNumbersOverflow) {
+TEST_F(DdsGateway, IgnoresRequestsWithOverflowingFragmentNumbers) {
   const Memory memory{queue(64, kWake)};
   const auto id = gateway_->add_outgoing(flow("doubted", kReliable), memory.link());
   ASSERT_TRUE(id.ok());
@@ -807,7 +807,7 @@ TEST_F(DeceivedReader, FreesFragmentedSamplesThatAreOlderThanAllWaitingSamplesOf
 }
 
 // Fast DDS compares samples of one writer by their numbers, but samples of two writers by their times.
-TEST_F(DeceivedReader, PresentsWaitingSamplesOfAWriterWhoseClockIsSetBack) {
+TEST_F(DeceivedReader, FindsWaitingSamplesAfterAClockWasSetBack) {
   const auto of = [](const char* path) {
     FaultEvent event;
     event.path(path);
@@ -840,7 +840,7 @@ TEST_F(DeceivedReader, RefusesALongSampleThatWouldHaveToWait) {
 }
 
 // Fast DDS would handle this invalid sample once more after the reader has dropped it.
-TEST_F(DeceivedReader, HandlesASampleWhoseFragmentsArriveInOnePacketOnce) {
+TEST_F(DeceivedReader, CountsASampleInOnePacketOnce) {
   send(fragments(1, 2, 100, 200));
   expect_that_the_gateway_works();
   EXPECT_EQ(samples(), 1U);

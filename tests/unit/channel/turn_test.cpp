@@ -53,7 +53,7 @@ TEST(Turn, WaitsForTheRowsOwnProgramThoughTheNextRowHasBegun) {
   EXPECT_TRUE(turn.reached(third));
 }
 
-TEST(Turn, ComesForAProgramThatIsLateByManyRows) {
+TEST(Turn, ComesForAProgramManyRowsLate) {
   Turn turn{};
   const Ticket first{.number = 7};
   turn.begin(first);

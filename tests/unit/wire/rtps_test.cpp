@@ -649,7 +649,7 @@ TEST(RtpsFilter, RejectsFragmentsOutsideTheirSampleOrWithoutContent) {
   EXPECT_FALSE(fits(fragments(0xffffffff, 0xffff, 0xffff, 0xffffffff, 100)));
 }
 
-TEST(RtpsFilter, RejectsRequestsForFragmentsWhoseNumbersMayOverflow) {
+TEST(RtpsFilter, RejectsRequestsWithOverflowingFragmentNumbers) {
   const auto request = [](std::uint32_t base) {
     return is_rtps(message(0x12, 0, Body{}.zeros(8).number(1).u32(base).u32(1).zeros(4).u32(1)));
   };

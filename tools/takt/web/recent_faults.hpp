@@ -29,9 +29,10 @@ class RecentFaults {
   /// anew. `complete` is false if the record has lost events that are older than these.
   void add_record(const std::vector<model::Fault>& events, bool complete);
 
-  /// Returns these members of a JSON object: `events`, oldest first; `older`, the number of the first of
-  /// them, with which before() returns the events before it, or 0 if there are none; and `complete_since_ms`,
-  /// the time since which no event is missing.
+  /// Returns these members of a JSON object:
+  /// - `events`: the events, oldest first,
+  /// - `older`: the number to pass to before() for the events before these; 0 if there are none,
+  /// - `complete_since_ms`: no event after this time is missing.
   [[nodiscard]] std::string newest() const;
   /// Like newest(), with the events before the event with this number. Returns none if the number is unknown.
   [[nodiscard]] std::string before(std::uint64_t number) const;
