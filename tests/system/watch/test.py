@@ -143,7 +143,9 @@ class Watch(takt_system.Case):
                 terminal.press(DOWN * 3 + UP)
                 self.leave(terminal, run, lambda: terminal.press("q"))
         terminal, run = self.open(rows=24, columns=100)
-        line = terminal.wait_for(r"^  \d\d:\d\d:\d\d\.\d{3} line\.fails: \S+ -> RECOVER")
+        terminal.wait_for(r"^ +program +\* EXECUTING")
+        self.done("stop robot.grid")
+        line = terminal.wait_for(r"^  \d\d:\d\d:\d\d\.\d{3} robot\.grid: EXECUTING -> START")
         terminal.resize(24, len(line) - 5)
         terminal.wait_for("^%s~$" % re.escape(line[:-6].rstrip()))
         for rows, columns in ((1, 1), (6, 40), (2, 500), (24, 100)):
