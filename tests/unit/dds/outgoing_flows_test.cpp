@@ -2,12 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <condition_variable>
 #include <cstring>
 #include <future>
 #include <memory>
+#include <mutex>
 #include <new>
+#include <optional>
 #include <thread>
+#include <vector>
 
 #include <takt/os/clock.hpp>
 
@@ -25,15 +30,18 @@ class Full {
     bytes_ = static_cast<std::byte*>(::operator new (size, std::align_val_t{64}));
     std::memset(bytes_, 0, size);
     channel::Link::format(bytes_, options);
-    channel::LinkWriter{link()}.publish(8, to_ns(os::now()));
+    writer_.emplace(link());
+    publish();
   }
   Full(const Full&) = delete;
   Full& operator=(const Full&) = delete;
   ~Full() { ::operator delete (bytes_, std::align_val_t{64}); }
   [[nodiscard]] channel::Link link() const { return channel::Link{bytes_}; }
+  void publish() { writer_->publish(8, to_ns(os::now())); }
 
  private:
   std::byte* bytes_ = nullptr;
+  std::optional<channel::LinkWriter> writer_;
 };
 
 /// What a SlowWriter has done.
@@ -90,6 +98,70 @@ TEST(OutgoingFlows, GiveTheirHealthDuringAWriteForWhichARemovalWaits) {
   for (Watched* each : {&slow, &other}) each->destroyed.get_future().get();
   EXPECT_EQ(other.writing.get_future().wait_for(0s), std::future_status::timeout)
       << "a removed flow moves no sample";
+}
+
+/// The numbers of the samples that a NotingWriter has written.
+class Noted {
+ public:
+  void add(std::uint64_t number) {
+    const std::lock_guard lock{mutex_};
+    numbers_.push_back(number);
+    changed_.notify_all();
+  }
+  /// Returns all numbers as soon as they include this one, or after a minute.
+  std::vector<std::uint64_t> until(std::uint64_t number) {
+    std::unique_lock lock{mutex_};
+    changed_.wait_for(lock, 60s, [&] { return std::ranges::find(numbers_, number) != numbers_.end(); });
+    return numbers_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<std::uint64_t> numbers_;
+};
+
+class NotingWriter final : public SampleWriter {
+ public:
+  explicit NotingWriter(Noted& noted) : noted_(noted) {}
+  bool write(const Bytes&, std::int64_t, std::uint64_t number) override {
+    noted_.add(number);
+    return true;
+  }
+  [[nodiscard]] wire::FlowHealth health() const override { return {}; }
+
+ private:
+  Noted& noted_;
+};
+
+TEST(OutgoingFlows, WriteOnlyTheNewestSampleOfAThinnedFlowEachTime) {
+  using Numbers = std::vector<std::uint64_t>;
+  Full link;
+  Full other_link;
+  Noted noted;
+  Noted other;
+  channel::WakeWord wake_word{};
+  OutgoingFlows flows{wake_word, 0};
+  ASSERT_TRUE(flows.start().ok());
+  flows.add(1, std::make_unique<NotingWriter>(noted), link.link());
+  flows.add(2, std::make_unique<NotingWriter>(other), other_link.link());
+  EXPECT_EQ(noted.until(1), (Numbers{1}));
+  flows.thin_out(1, 1h);
+  link.publish();
+  EXPECT_EQ(noted.until(2), (Numbers{1, 2})) << "the first sample does not wait";
+
+  for (int i = 0; i < 3; ++i) link.publish();
+  for (const std::uint64_t pass : {2U, 3U}) {  // after the second, the thread has looked at both links
+    other_link.publish();
+    ASSERT_EQ(other.until(pass).back(), pass);
+  }
+  EXPECT_EQ(noted.until(2), (Numbers{1, 2})) << "the others wait for an hour";
+  flows.thin_out(1, 1ns);
+  EXPECT_EQ(noted.until(5), (Numbers{1, 2, 5}));
+  flows.thin_out(1, 0ns);
+  link.publish();
+  link.publish();
+  EXPECT_EQ(noted.until(7), (Numbers{1, 2, 5, 6, 7}));
 }
 
 }  // namespace
