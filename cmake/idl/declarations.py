@@ -22,6 +22,7 @@ SCALARS = {
 # Alternative IDL names of the types in SCALARS.
 SAME = {"uint8": "octet", "int16": "short", "uint16": "unsigned short", "int32": "long", "uint32": "unsigned long",
         "int64": "long long", "uint64": "unsigned long long"}
+NOT_NUMBERS = ("boolean", "char", "string", "enum", "struct")
 INTEGERS = {name: (size, name.startswith("unsigned") or name == "octet")
             for name, (size, _) in SCALARS.items() if name not in ("boolean", "char", "float", "double")}
 
@@ -79,6 +80,7 @@ class Field:
     name: str
     shape: Shape
     own: list                       # the dimensions after the name
+    unit: str                       # "" if the file gives none
     place: tuple
 
 
@@ -216,6 +218,8 @@ def description(struct):
         for each in fields:
             shape = each.shape
             one = {"name": each.name, "type": shape.scalar}
+            if each.unit:
+                one["unit"] = each.unit
             if shape.scalar == "string":
                 one["bound"] = shape.bound
             if shape.dimensions:

@@ -4,7 +4,7 @@ import re
 from dataclasses import replace
 
 from idl.cursor import ANY_CASE_WORDS, WORDS, Cursor
-from idl.declarations import INTEGERS, SAME, SCALARS, Alias, Const, Enum, Enumerator, Field, Scope, Shape, Struct
+from idl.declarations import INTEGERS, NOT_NUMBERS, SAME, SCALARS, Alias, Const, Enum, Enumerator, Field, Scope, Shape, Struct
 from idl.tokens import IdlError, Token, tokens_of
 
 
@@ -83,7 +83,7 @@ class Parser(Cursor):
             f"did you mean {meant[0]}?" if meant else "write modules with structs, enums, typedefs and constants"))
 
     def annotations(self):
-        """Parses annotations and returns the tokens of their names. @extensibility(FINAL) becomes @final."""
+        """Parses annotations and returns the tokens of their names, with their arguments. @extensibility(FINAL) becomes @final."""
         found = []
         while self.is_next("@"):
             self.next()
@@ -105,7 +105,7 @@ class Parser(Cursor):
                 name = Token("name", "final" if final else f"extensibility({argument})", name.line, name.at)
             elif argument is not None and name.text == "final":
                 self.problem(name, "@final has no arguments; remove them")
-            found.append(name)
+            found.append(replace(name, argument=argument))
         return found
 
     def body(self, what, each):
@@ -260,12 +260,18 @@ class Parser(Cursor):
         annotations = self.annotations()
         full = lambda name: f"{struct.name}.{name}"
         shown = self.declared_name(full, f"a field of {struct.name}")
+        unit = ""
         for annotation in annotations:
+            if annotation.text == "unit":
+                unit = self.unit(annotation, shown)
+                continue
             text = ("is a key, but port types have no keys" if annotation.text in ("key", "Key")
-                    else f"has @{annotation.text}, but the fields of a port type have no annotations")
+                    else f"has @{annotation.text}, but the fields of a port type can only have @unit")
             self.problem(annotation, f"{shown} {text}; remove @{annotation.text}")
         shape = self.type_of(shown, self.token, [f.name for f in struct.fields])
         for token, own, whole in self.declarators(shape, "a field", full):
+            if unit and whole.scalar in NOT_NUMBERS:
+                self.problem(token, f"{full(token.text)} has a unit but is not a number; remove @unit")
             if token.text.lower() == struct.name.split("::")[-1].lower():
                 self.problem(token, f"{struct.name}.{token.text} has the name of its struct (IDL is not case-sensitive); "
                                     "choose another name")
@@ -274,7 +280,15 @@ class Parser(Cursor):
                 how = "is declared twice" if twin.name == token.text else f"differs only in case from {twin.name}"
                 self.problem(token, f"{struct.name}.{token.text} {how}; choose another name")
             else:
-                struct.fields.append(Field(token.text, whole, own, self.place(token)))
+                struct.fields.append(Field(token.text, whole, own, unit, self.place(token)))
+
+    def unit(self, annotation, name):
+        """Returns the unit in @unit("..."). All IDL compilers read ASCII in the same way."""
+        unit = re.fullmatch(r'"([ !#-\[\]-~]{1,32})"', annotation.argument or "")
+        if unit:
+            return unit.group(1)
+        self.problem(annotation, f"the @unit of {name} is not a text of 1 to 32 ASCII characters; write for example @unit(\"rad\")")
+        return ""
 
     def declarators(self, shape, what, full):
         """Parses a, b[3], c[2][4]; and yields (token, dimensions, shape) for each name."""

@@ -43,6 +43,7 @@ class Token:
     text: str
     line: int
     at: int
+    argument: str = None            # for the name of an annotation: what follows it in parentheses
 
 
 def tokens_of(text, path, problems):

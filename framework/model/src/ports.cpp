@@ -18,6 +18,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+std::string unit_words(const Field& field) {
+  return field.unit.empty() ? "no unit" : "the unit " + field.unit;
+}
+
 std::string fields_differ(const std::vector<Field>& first, const std::vector<Field>& second,
                           const std::string& prefix) {
   for (std::size_t i = 0; i < std::max(first.size(), second.size()); ++i) {
@@ -30,6 +34,8 @@ std::string fields_differ(const std::vector<Field>& first, const std::vector<Fie
       return "where the first version has " + name + ", the second has " + prefix + b.name;
     if (spelled(a) != spelled(b))
       return name + " is " + spelled(a) + " in the first version and " + spelled(b) + " in the second";
+    if (a.unit != b.unit)
+      return name + " has " + unit_words(a) + " in the first version and " + unit_words(b) + " in the second";
     if (a.enumerators != b.enumerators) return name + " has different enumerators in the second version";
     if (std::string inner = fields_differ(a.fields, b.fields, name + "."); !inner.empty()) return inner;
   }

@@ -194,7 +194,7 @@ class TypeReader {
     }
     field.name = name_of(json, holder, "name", is_name);
     const std::string where = holder + '.' + field.name;
-    std::set<std::string_view> members{"name", "type", "array", "sequence", "elements"};
+    std::set<std::string_view> members{"name", "type", "unit", "array", "sequence", "elements"};
 
     const auto word = json.find("type");
     const auto* scalar = word != json.end() && word->is_string()
@@ -205,6 +205,7 @@ class TypeReader {
       return field;
     }
     field.scalar = static_cast<Scalar>(scalar - kWords.begin());
+    if (json.contains("unit")) field.unit = unit_of(json["unit"], where, field.scalar);
     field.dimensions = sizes_of(json, where, "array");
     field.elements = sizes_of(json, where, "elements");
     if (json.contains("sequence"))
@@ -239,6 +240,17 @@ class TypeReader {
       problem(where, "is a sequence within a sequence", "use an array of sequences");
     only(json, where, members);
     return field;
+  }
+
+  std::string unit_of(const Json& json, const std::string& where, Scalar scalar) {
+    const std::string unit = json.is_string() ? json.get<std::string>() : "";
+    const bool printable = std::all_of(unit.begin(), unit.end(), [](char c) { return c >= ' ' && c <= '~'; });
+    if (unit.empty() || unit.size() > kMaxUnit || !printable)
+      problem(where, "has no valid \"unit\"",
+              "write 1 to " + std::to_string(kMaxUnit) + " printable ASCII characters");
+    if (scalar == Scalar::boolean || scalar == Scalar::character || scalar >= Scalar::text)
+      problem(where, "has a unit but is not a number", "remove the unit");
+    return unit;
   }
 
   std::size_t size_of_member(const Json& json, const std::string& where, const char* what) {
@@ -288,6 +300,7 @@ Json fields_json(const std::vector<Field>& fields) {
   Json list = Json::array();
   for (const Field& field : fields) {
     Json json{{"name", field.name}, {"type", to_text(field.scalar)}};
+    if (!field.unit.empty()) json["unit"] = field.unit;
     if (field.scalar == Scalar::text) json["bound"] = field.bound;
     if (!field.dimensions.empty()) json["array"] = field.dimensions;
     if (field.sequence > 0) json["sequence"] = field.sequence;

@@ -25,11 +25,11 @@ std::size_t product(const std::vector<std::size_t>& dimensions) {
 std::size_t width(const std::vector<Field>& fields);
 
 /// The number of columns of one value.
-std::size_t unit(const Field& field) { return field.scalar == Scalar::structure ? width(field.fields) : 1; }
+std::size_t single(const Field& field) { return field.scalar == Scalar::structure ? width(field.fields) : 1; }
 
 /// The number of columns of one value, or of one sequence if the field is a sequence.
 std::size_t span(const Field& field) {
-  return field.sequence == 0 ? unit(field) : field.sequence * product(field.elements) * unit(field);
+  return field.sequence == 0 ? single(field) : field.sequence * product(field.elements) * single(field);
 }
 
 std::size_t width(const std::vector<Field>& fields) {
@@ -45,7 +45,7 @@ class Reading {
 
   void structure(const std::vector<Field>& fields, std::size_t at) {
     for (const Field& field : fields) {
-      const std::size_t one = unit(field);
+      const std::size_t one = single(field);
       const std::size_t each = span(field);
       const std::size_t n = product(field.dimensions);
       for (std::size_t i = 0; i < n; ++i, at += each) {
@@ -163,8 +163,8 @@ void Columns::name(const std::vector<Field>& fields, const std::string& before, 
         cut_ = true;
         return;
       }
-      columns_.push_back(
-          {text, whole, each.scalar != Scalar::text && each.scalar != Scalar::character, each.enumerators});
+      columns_.push_back({text, whole, each.scalar != Scalar::text && each.scalar != Scalar::character,
+                          each.unit, each.enumerators});
     };
     places(each.dimensions, 0, before + dot + each.name, [&](const std::string& text) {
       if (each.sequence == 0) return value(text);

@@ -164,6 +164,10 @@ TEST(TypeDifference, NamesTheFirstDifferingField) {
   second.fields[0].name = "angle";
   EXPECT_EQ(difference(first, second), "where the first version has position, the second has angle");
   second = first;
+  second.fields[0].unit = "deg";
+  EXPECT_EQ(difference(first, second),
+            "position has no unit in the first version and the unit deg in the second");
+  second = first;
   second.fields[0].scalar = Scalar::float32;
   EXPECT_EQ(difference(first, second),
             "position is double[6] in the first version and float[6] in the second");

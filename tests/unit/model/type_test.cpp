@@ -20,7 +20,7 @@ const std::string kPlan =
     R"({"name":"motion::Plan","fields":[)"
     R"({"name":"mode","type":"enum","of":"motion::Mode","enumerators":["OFF","ON"]},)"
     R"({"name":"label","type":"string","bound":15},)"
-    R"({"name":"way","type":"double","array":[2,6],"sequence":8,"elements":[3]},)"
+    R"({"name":"way","type":"double","unit":"mm","array":[2,6],"sequence":8,"elements":[3]},)"
     R"({"name":"start","type":"struct","of":"motion::Pose","fields":[{"name":"x","type":"long"}]}]})";
 
 /// Returns the problems that parse_type() finds in the description of a type.
@@ -50,8 +50,12 @@ TEST(Type, IsParsedFromItsDescription) {
   EXPECT_EQ(type->fields[0], mode);
   const Field label{.name = "label", .scalar = Scalar::text, .bound = 15};
   EXPECT_EQ(type->fields[1], label);
-  const Field way{
-      .name = "way", .scalar = Scalar::float64, .dimensions = {2, 6}, .sequence = 8, .elements = {3}};
+  const Field way{.name = "way",
+                  .scalar = Scalar::float64,
+                  .unit = "mm",
+                  .dimensions = {2, 6},
+                  .sequence = 8,
+                  .elements = {3}};
   EXPECT_EQ(type->fields[2], way);
   EXPECT_EQ(type->fields[3].type_name, "motion::Pose");
   EXPECT_EQ(type->fields[3].fields.at(0).name, "x");
@@ -67,6 +71,7 @@ TEST(Type, DiffersIfAnyPartOfTheDescriptionDiffers) {
                                                         {"motion::Mode", "motion::Node"},
                                                         {":15", ":16"},
                                                         {"double", "float"},
+                                                        {"\"mm\"", "\"m\""},
                                                         {"[2,6]", "[6,2]"},
                                                         {":8", ":9"},
                                                         {"[3]", "[1]"},
@@ -134,6 +139,19 @@ TEST(Type, RejectsASequenceWithinASequence) {
 
 TEST(Type, RejectsAKeyField) {
   EXPECT_THAT(problems_with(R"({"name":"x","type":"long","key":true})"), ElementsAre("T.x is a key"));
+}
+
+TEST(Type, RejectsAUnitThatIsNoShortTextOrNotOfANumber) {
+  for (const auto* const unit :
+       {"7", "\"\"", "\"\u00b0C\"", "\"a\\nb\"", "\"a metre has more than 32 characters\""})
+    EXPECT_THAT(problems_with(std::string{R"({"name":"x","type":"long","unit":)"} + unit + "}"),
+                ElementsAre("T.x has no valid \"unit\""))
+        << unit;
+  for (const auto* const type :
+       {R"("boolean")", R"("char")", R"("string","bound":3)", R"("enum","of":"E","enumerators":["A"])",
+        R"("struct","of":"S","fields":[{"name":"y","type":"long"}])"})
+    EXPECT_THAT(problems_with(std::string{R"({"name":"x","unit":"m","type":)"} + type + "}"),
+                ElementsAre("T.x has a unit but is not a number"));
 }
 
 TEST(Type, RejectsUnknownFieldTypesAndJsonMembers) {

@@ -53,6 +53,14 @@ TEST(Columns, HaveANameForEveryElementOfASample) {
   EXPECT_TRUE(Columns{type_of(R"({"name":"a","type":"double","array":[2]})")}.fixed());
 }
 
+TEST(Columns, HaveTheUnitsOfTheirFields) {
+  const Columns columns{type_of(R"({"name":"p","type":"struct","of":"t::P","array":[2],"fields":[)"
+                                R"({"name":"x","type":"double","unit":"m"},{"name":"n","type":"long"}]})")};
+  std::vector<std::string> units;
+  for (const Column& column : columns.all()) units.push_back(column.unit);
+  EXPECT_THAT(units, ElementsAre("m", "", "m", ""));
+}
+
 TEST(Columns, ContainTheTextOfEachValueInOrder) {
   const auto type = type_of(kAll);
   const Columns columns{type};

@@ -222,6 +222,8 @@ TEST(ShortText, ShowsTheFirstNumberAndHowManyValuesFollow) {
   };
   EXPECT_EQ(text({{"arm"}, {0.52359877559829}, {true}}), "0.5236 +2");
   EXPECT_EQ(text({{"arm"}, {-1234567.5}, {true}}), "-1.235e+06 +2");
+  type.fields[1].unit = "rad";
+  EXPECT_EQ(text({{"arm"}, {0.52359877559829}, {true}}), "0.5236 rad +2");
   type.fields.resize(1);
   EXPECT_EQ(text({{"arm"}}), "1 field");
   type.fields = {{.name = "on", .scalar = model::Scalar::boolean}};

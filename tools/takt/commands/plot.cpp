@@ -198,12 +198,13 @@ class Plotter {
         return Problem{on_one_line(options_.file),
                        "a drawing can have at most " + std::to_string(kMostCurves) + " curves",
                        "choose fewer fields, or single elements such as position[0]"};
-      const recording::Column& column = chosen_.sources.at(wanted.port->id).columns->all()[wanted.column];
+      const recording::Column& column = column_of(wanted);
+      const std::string title = column.field + (column.unit.empty() ? "" : " (" + column.unit + ")");
       auto panel = std::find_if(plot.panels.begin(), plot.panels.end(), [&](const PlotPanel& p) {
-        return p.title == column.field && p.labels == column.enumerators;
+        return p.title == title && p.labels == column.enumerators;
       });
       if (panel == plot.panels.end())
-        panel = plot.panels.insert(plot.panels.end(), {.title = column.field, .labels = column.enumerators});
+        panel = plot.panels.insert(plot.panels.end(), {.title = title, .labels = column.enumerators});
       PlotSeries series{.name = wanted.name};
       for (const auto& curve : series_[i].curves()) {
         auto& points = series.curves.emplace_back();
@@ -220,14 +221,16 @@ class Plotter {
 
   int numbers() {
     Page page{terminal_style()};
-    std::vector<Page::Words> rows{{"field", "samples", "missing", "min", "mean", "max", "pauses"}};
+    std::vector<Page::Words> rows{{"field", "samples", "missing", "min", "mean", "max", "unit", "pauses"}};
     for (std::size_t i = 0; i < series_.size(); ++i) {
       const recording::Series& series = series_[i];
       if (series.count() == 0) continue;
+      const recording::Column& column = column_of(chosen_.wanted[i]);
       rows.push_back({chosen_.wanted[i].name, std::to_string(series.count()),
                       std::to_string(missing_[chosen_.wanted[i].port->id]),
                       fmt::format("{:.6g}", series.least()), fmt::format("{:.6g}", series.mean()),
-                      fmt::format("{:.6g}", series.largest()), std::to_string(series.curves().size() - 1)});
+                      fmt::format("{:.6g}", series.largest()), column.unit,
+                      std::to_string(series.curves().size() - 1)});
     }
     page.table(0, rows);
     return print(std::move(page).take()) ? 0 : 1;
@@ -243,6 +246,9 @@ class Plotter {
   static std::int64_t to_ns(double seconds) { return static_cast<std::int64_t>(std::llround(seconds * 1e9)); }
   [[nodiscard]] double since(std::int64_t time_ns) const {
     return static_cast<double>(time_ns - recording_.first_ns()) / 1e9;
+  }
+  [[nodiscard]] const recording::Column& column_of(const Wanted& wanted) const {
+    return chosen_.sources.at(wanted.port->id).columns->all()[wanted.column];
   }
   template <class Each>
   Result<void> read(Each each) {

@@ -131,7 +131,8 @@ void add_ports(Page& page, const Described& described) {
     if (!safe.empty()) page.sentence(11, "safe: " + safe);
     Page::Words fields;
     for (const model::Field& field : ports[i].type.fields)
-      fields.push_back(spelled(field) + " " + field.name);
+      fields.push_back(spelled(field) + " " + field.name +
+                       (field.unit.empty() ? "" : " (" + field.unit + ")"));
     page.words(11, "", fields);
     std::set<std::string> listed;
     for (const model::Field& field : ports[i].type.fields) {

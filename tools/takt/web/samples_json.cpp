@@ -170,6 +170,7 @@ std::string short_text(const recording::Columns& columns, const std::vector<reco
     std::string text = values[i].text();
     if (text.size() > kLongest)
       text = enumeration ? text.substr(0, kLongest) + "..." : fmt::format("{:.4g}", values[i].number(false));
+    if (const std::string& unit = columns.all()[i].unit; !unit.empty()) text += " " + unit;
     return there == 1 ? text : text + fmt::format(" +{}", there - 1);
   }
   return count(there, "field");

@@ -69,6 +69,7 @@ struct WatchedPorts::Source {
     for (const std::size_t i : shown) {
       const recording::Column& column = columns.all()[i];
       Json field{{"name", column.name}};
+      if (!column.unit.empty()) field["unit"] = column.unit;
       if (!column.enumerators.empty()) field["labels"] = column.enumerators;
       fields.push_back(std::move(field));
     }

@@ -49,11 +49,12 @@ export class Field {
     const to = shownInstant() ?? Math.max(this.store.now, rows?.newest ?? 0);
     const row = column > 0 ? rows.at(to) : undefined;
     const value = row?.[column] ?? null;
-    setText(this.value, fields?.[column - 1]?.labels?.[value] ?? digits(value));
+    const { labels, unit } = fields?.[column - 1] ?? {};
+    setText(this.value, labels?.[value] ?? digits(value) + (unit && value !== null ? ` ${unit}` : ""));
     setText(this.age, !row ? "" : to - row[0] < kFresh_ms ? "< 1 s" : duration(Math.round((to - row[0]) / 1000) * 1e6));
     if (column === 0 || performance.now() - this.#drawn < kFresh_ms) return;
     this.#drawn = performance.now();
-    this.spark.showPoints(tableOf([{ rows, column, labels: fields[column - 1].labels }], to - kTrend_ms, to).map(([time, of]) => [time - to + kTrend_ms, of]));
+    this.spark.showPoints(tableOf([{ rows, column, labels }], to - kTrend_ms, to).map(([time, of]) => [time - to + kTrend_ms, of]));
   }
 
   #toggle() {

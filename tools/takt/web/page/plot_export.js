@@ -45,7 +45,7 @@ export function pictureOf(plots, series) {
   }
   context.textAlign = "left";
   context.lineWidth = 2;
-  for (const { name, index } of series) {
+  for (const { title, index } of series) {
     top += line;
     context.strokeStyle = colour(colourOf(index));
     context.setLineDash(dashOf(index) ?? []);
@@ -53,7 +53,7 @@ export function pictureOf(plots, series) {
     context.moveTo(16, top);
     context.lineTo(48, top);
     context.stroke();
-    context.fillText(name, 56, top);
+    context.fillText(title, 56, top);
   }
   return new Promise((done) => { canvas.toBlob(done, "image/png"); });
 }

@@ -168,24 +168,25 @@ export class Plots {
       const port = portOf(name);
       const { rows, fields } = this.#store.ports.get(port) ?? {};
       const column = (fields ?? []).findIndex((field) => `${port}.${field.name}` === name);
-      return { name, port, index, rows, column: column + 1, labels: fields?.[column]?.labels };
+      const { labels, unit } = fields?.[column] ?? {};
+      return { name, port, index, rows, column: column + 1, labels, title: unit ? `${name} (${unit})` : name };
     }).filter(({ column }) => column > 0);
     if (this.#ports.length === 0) setText(this.status, "Choose a port. The page then plots its values.");
     const unknown = this.#chosen.filter((name) => this.#store.ports.get(portOf(name))?.fields && !this.#series.some((series) => series.name === name));
     if (unknown.length > 0) setText(this.status, `${listed(unknown)}: the port has no such field`);
     const groups = this.#stacked ? this.#series.map((one) => [one]) : [this.#series].filter((all) => all.length > 0);
     this.#plots = groups.map((series) => new Plot({
-      title: series.map(({ name }) => name).join(", "), series,
+      title: series.map(({ title }) => title).join(", "), series,
       moved: (from, to) => this.#move(to - from, to, false), followed: () => this.#move(this.#range_ms, null),
       pointed: (time) => this.#point(time), marked: (time) => this.#setMark(time),
     }));
     const focused = document.activeElement?.closest?.(".plot") ? ".plot" : document.activeElement?.closest?.(".choice label")?.dataset.name;
     this.list.replaceChildren(...this.#plots.map((plot) => element("figure", {},
-      this.#stacked ? element("figcaption", {}, sampleOf(plot.series[0].index), plot.series[0].name) : null, plot.element)));
+      this.#stacked ? element("figcaption", {}, sampleOf(plot.series[0].index), plot.series[0].title) : null, plot.element)));
     setAttribute(this.list, "data-stacked", this.#stacked);
     this.cells = this.#series.map(() => kValues.map((label) => element("td", { class: "number", "data-label": label })));
-    this.body.replaceChildren(...this.#series.map(({ name, index }, i) => element("tr", {},
-      element("th", { scope: "row" }, sampleOf(index), name), ...this.cells[i])));
+    this.body.replaceChildren(...this.#series.map(({ title, index }, i) => element("tr", {},
+      element("th", { scope: "row" }, sampleOf(index), title), ...this.cells[i])));
     this.choice.replaceChildren(...this.#ports.map((port) => [port, this.#store.ports.get(port) ?? {}]).map(([port, { type, fields }]) => element("fieldset", { class: "fields" },
       element("legend", {}, `${port}${type ? ` (${type})` : ""}`),
       ...(fields ?? []).map(({ name }) => element("label", { dataset: { name: `${port}.${name}` } }, element("input", {

@@ -18,6 +18,7 @@ inline constexpr std::size_t kMaxSampleSize = 64 * 1024 * 1024;  ///< in bytes
 inline constexpr std::size_t kMaxFields = 4096;
 inline constexpr std::size_t kMaxNesting = 16;  ///< maximum nesting depth of structs
 inline constexpr std::size_t kMaxTypeName = 255;
+inline constexpr std::size_t kMaxUnit = 32;  ///< maximum number of characters of a unit
 /// Maximum length in bytes of a text for parse_type().
 inline constexpr std::size_t kMaxDescription = 1024 * 1024;
 
@@ -46,6 +47,7 @@ const char* to_text(Scalar scalar);
 struct Field {
   std::string name;
   Scalar scalar = Scalar::int32;
+  std::string unit{};                     ///< unit of a number, from @unit in IDL; may be empty
   std::size_t bound = 0;                  ///< maximum number of characters of a string
   std::vector<std::size_t> dimensions{};  ///< dimensions of an array; empty: not an array
   std::size_t sequence = 0;  ///< maximum number of elements of a sequence; 0 if the field is not a sequence
@@ -69,6 +71,7 @@ struct Type {
 /// those of Type and Field; empty members are omitted:
 ///
 ///   {"name":"motion::Plan","fields":[{"name":"mode","type":"enum","of":"motion::Mode","enumerators":["OFF","ON"]},
+///     {"name":"speed","type":"double","unit":"m/s"},
 ///     {"name":"label","type":"string","bound":15},{"name":"way","type":"double","array":[2,6],"sequence":8,"elements":[3]},
 ///     {"name":"start","type":"struct","of":"motion::Pose","fields":[...]}]}
 ///

@@ -30,6 +30,7 @@ struct Column {
   std::string name;                        ///< name with indices, such as "pose.position[0]"
   std::string field;                       ///< name without indices, such as "pose.position"
   bool drawable = true;                    ///< false for text
+  std::string unit{};                      ///< may be empty
   std::vector<std::string> enumerators{};  ///< only for enumerations
 };
 
