@@ -551,7 +551,7 @@ TEST(GraphLayout, RoutesWiresAroundBoxes) {
         const graph::Column& column = layout.columns[place.column];
         const graph::Box box = box_of(place);
         EXPECT_EQ(point.x, place.at_right ? column.right() - graph::kInside : column.left + graph::kInside);
-        EXPECT_GT(point.y, box.top + 30) << "the wire ends below the name of the box";
+        EXPECT_GT(point.y, box.top + (place.at_right ? 0 : 30)) << "the name of the box is at the left";
         EXPECT_LT(point.y, box.top + box.height);
         EXPECT_EQ(box.ports[place.port].input, input);
         if (!end.given()) continue;
@@ -572,6 +572,17 @@ TEST(GraphLayout, RoutesWiresAroundBoxes) {
     }
     for (std::size_t c = 1; c < layout.columns.size(); ++c)
       EXPECT_GT(layout.columns[c].left, layout.columns[c - 1].right());
+  }
+}
+
+TEST(GraphLayout, PutsPortsOnTheRightBesideTheFactsOfTheModule) {
+  const GraphPage page;
+  for (const GraphPage* on : {static_cast<const GraphPage*>(nullptr), &page}) {
+    const auto layout = graph::lay_out(three(), running(), on);
+    const graph::Box& box = layout.columns.front().boxes.front();
+    ASSERT_EQ(box.ports.size(), 2U);
+    EXPECT_EQ(box.ports[0].y, box.top + layout.pitch / 2);
+    EXPECT_EQ(box.ports[1].y, box.ports[0].y + layout.pitch);
   }
 }
 

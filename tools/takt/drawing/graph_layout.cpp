@@ -19,9 +19,8 @@ using model::Connection;
 using model::Module;
 
 // The sizes below are in pixels.
-constexpr double kTrack = 12;             // distance of two neighbouring tracks
-constexpr double kStub = 18;              // minimum distance from a column to the first track
-constexpr double kRoomForMeasures = 230;  // minimum width of a module's box on a page
+constexpr double kTrack = 12;  // distance of two neighbouring tracks
+constexpr double kStub = 18;   // minimum distance from a column to the first track
 
 /// The vertical distance of two neighbouring wires, each with a label. kPitchLive is for a running cell,
 /// whose drawing also shows the health of each connection below the label.
@@ -318,12 +317,23 @@ void Builder::set_heights(Column& column) {
   double y = column.top + whole(column.state.empty() ? 40 : 54);
   for (Box& box : column.boxes) {
     box.top = y;
+    const auto put = [&](Port& port, double& at) {
+      port.y = at + layout_.pitch / 2;
+      at += layout_.pitch * static_cast<double>(port.lines());
+    };
+    double beside = y;
     if (!column.collapsed) y += whole((box.state.empty() ? 34 : 46) + (measured(box) ? kMeasures : 0));
     for (Port& port : box.ports) {
-      port.y = y + layout_.pitch / 2;
-      y += layout_.pitch * static_cast<double>(port.lines());
+      if (port.beside_facts()) put(port, beside);
     }
-    box.height = whole(y - box.top + (box.ports.empty() ? 0 : 4));
+    for (Port& port : box.ports) {
+      if (port.right.empty()) put(port, y);
+    }
+    y = std::max(y, beside);
+    for (Port& port : box.ports) {
+      if (!port.beside_facts() && !port.right.empty()) put(port, y);
+    }
+    box.height = whole(y - box.top);
     y = box.top + box.height + step_;
   }
   if (column.left_out > 0) y += step_;
@@ -333,7 +343,7 @@ void Builder::set_heights(Column& column) {
 void Builder::set_heights() {
   std::vector<Column>& columns = layout_.columns;
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    columns[c].top = kTop + (c % 2 == 1 ? step_ / 2 : 0);
+    columns[c].top = (page_ == nullptr ? kTop : kTopOnPage) + (c % 2 == 1 ? step_ / 2 : 0);
     set_heights(columns[c]);
     layout_.bottom = std::max(layout_.bottom, columns[c].bottom);
   }
@@ -425,12 +435,19 @@ void Builder::set_widths() {
     Column& column = layout_.columns[c];
     double widest = std::max(width_of(column.name, kLarge) + (page_ == nullptr || column.outside ? 0 : kFold),
                              width_of(column.state, kSmall));
-    if (page_ != nullptr && !column.outside && !column.collapsed) widest = std::max(widest, kRoomForMeasures);
+    double facts = 0;
+    double beside = 0;  // the widest port beside the facts
     for (const Box& box : column.boxes) {
-      widest = std::max({widest, width_of(box.name, kNormal) + kInside, width_of(box.about, kSmall) + kInside,
-                         width_of(box.state, kSmall) + kInside});
-      for (const Port& port : box.ports) widest = std::max(widest, width_of(port.name, kSmall) + 3 * kInside);
+      facts = std::max({facts, measured(box) ? kRoomForMeasures : 0, width_of(box.name, kNormal),
+                        width_of(box.about, kSmall), width_of(box.state, kSmall)});
+      for (const Port& port : box.ports) {
+        const double width = width_of(port.name, kSmall);
+        widest = std::max(widest, width + 3 * kInside);
+        if (port.beside_facts()) beside = std::max(beside, width + 2 * kInside);
+        if (port.right.empty()) facts = std::max(facts, width);
+      }
     }
+    widest = std::max(widest, facts + kInside + beside);
     column.left = x;
     column.width = std::ceil(widest + 2 * kInside);
     Channel& channel = channels_[c];

@@ -19,11 +19,14 @@
 namespace takt::tool::graph {
 
 // The sizes below are in pixels.
-inline constexpr double kTop = 70;       ///< y coordinate of the first column
-inline constexpr double kInside = 12;    ///< distance from a frame to its content
-inline constexpr double kArrow = 8;      ///< length of an arrow head
-inline constexpr double kMeasures = 30;  ///< height of the measurements in the box of a module, on a page
-inline constexpr double kFold = 24;      ///< size of the control that collapses a device, on a page
+inline constexpr double kTop = 70;        ///< y coordinate of the first column
+inline constexpr double kTopOnPage = 40;  ///< likewise on a page, which shows the name of the cell itself
+inline constexpr double kInside = 12;     ///< distance from a frame to its content
+inline constexpr double kArrow = 8;       ///< length of an arrow head
+inline constexpr double kMeasures = 40;   ///< height of the measurements in the box of a module, on a page
+inline constexpr double kRoomForMeasures =
+    170;                             ///< minimum width of the facts in the box of a module, on a page
+inline constexpr double kFold = 24;  ///< size of the control that collapses a device, on a page
 
 /// The CSS classes that show a state.
 struct Look {
@@ -48,6 +51,9 @@ struct Port {
   double y = 0;  ///< y of the name and the first wire; each further wire of an input is `pitch` lower
 
   [[nodiscard]] std::size_t lines() const;
+  /// True if the port stands beside the facts of its module, which are at the left of the box. Any other port
+  /// is below them.
+  [[nodiscard]] bool beside_facts() const { return left.empty(); }
   /// True if the drawing shows the port's name at the right edge of the box, not at the left edge.
   [[nodiscard]] bool named_at_right() const {
     return left.empty() ? !right.empty() || !input : !right.empty() && !input;

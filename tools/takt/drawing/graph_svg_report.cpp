@@ -74,7 +74,7 @@ class GraphDrawing {
   void draw_column(const Column& column);
   void draw_fold(const Column& column);
   void draw_box(const Column& column, const Box& box);
-  void draw_measures(double left, double right, double top);
+  void draw_measures(double left, double top);
   void draw_port(double left, double right, const Port& port);
   void draw_wire(const Wire& wire);
   void draw_label(const Wire& wire);
@@ -104,13 +104,13 @@ class GraphDrawing {
 };
 
 void GraphDrawing::draw_title() {
-  canvas_.text(kMargin, kMargin + 14, kLarge + 4, "title", cell_.name);
+  if (page_ == nullptr) canvas_.text(kMargin, kMargin + 14, kLarge + 4, "title", cell_.name);
   std::string about =
       count(cell_.devices.size(), "device") + ", " + count(cell_.connections.size(), "connection");
   if (is_on_network(cell_)) about += "; " + network_text(cell_);
   constexpr std::size_t kLongest = 160;
   if (about.size() > kLongest) about = about.substr(0, kLongest) + "...";
-  canvas_.text(kMargin, kMargin + 34, kNormal, "faint", about);
+  canvas_.text(kMargin, page_ == nullptr ? kMargin + 34 : kMargin + 8, kNormal, "faint", about);
 }
 
 void GraphDrawing::draw_column(const Column& column) {
@@ -133,23 +133,26 @@ void GraphDrawing::draw_column(const Column& column) {
 
 /// Draws the control that collapses or expands a device.
 void GraphDrawing::draw_fold(const Column& column) {
-  const double x = column.right() - kFold;
+  // It stays inside the rounded border of the device.
+  const double x = column.right() - kFold - 2;
+  const double y = column.top + 2;
   canvas_.open_group((column.collapsed ? "expand device " : "collapse device ") + column.name, "fold", "fold",
                      column.name);
-  canvas_.rectangle(x, column.top, kFold, kFold, "panel", 6);
-  canvas_.line(x + 7, column.top + 12, x + 17, column.top + 12, "joint");
-  if (column.collapsed) canvas_.line(x + 12, column.top + 7, x + 12, column.top + 17, "joint");
+  canvas_.rectangle(x, y, kFold, kFold, "panel", 4);
+  canvas_.line(x + 7, y + 12, x + 17, y + 12, "joint");
+  if (column.collapsed) canvas_.line(x + 12, y + 7, x + 12, y + 17, "joint");
   canvas_.close_group();
 }
 
 /// Draws what the page fills in: the run time as words and a bar, the jitter as words and its trend.
-void GraphDrawing::draw_measures(double left, double right, double top) {
+void GraphDrawing::draw_measures(double left, double top) {
+  const double right = left + kRoomForMeasures;
   const double middle = (left + right) / 2;
   canvas_.text(left, top + 10, kSmall, "faint run", "");
-  canvas_.text_before(right, top + 10, kSmall, "faint jitter", "");
-  canvas_.rectangle(left, top + 16, middle - left - kInside, 6, "track", 3);
-  canvas_.rectangle(left, top + 16, 0, 6, "used", 3);
-  canvas_.rectangle(middle, top + 13, right - middle, 14, "trend");
+  canvas_.rectangle(left, top + 15, right - left, 6, "track", 3);
+  canvas_.rectangle(left, top + 15, 0, 6, "used", 3);
+  canvas_.text(left, top + 34, kSmall, "faint jitter", "");
+  canvas_.rectangle(middle + kInside, top + 24, right - middle - kInside, 14, "trend");
 }
 
 void GraphDrawing::draw_box(const Column& column, const Box& box) {
@@ -167,7 +170,7 @@ void GraphDrawing::draw_box(const Column& column, const Box& box) {
     canvas_.text(x, box.top + 28, kSmall, "faint", box.about);
   }
   if (!box.state.empty()) canvas_.text(x, box.top + 40, kSmall, word_of(box.look), box.state);
-  if (page_ != nullptr && !box.state.empty()) draw_measures(x, right - kInside / 2, box.top + 44);
+  if (page_ != nullptr && !box.state.empty()) draw_measures(x, box.top + 44);
   for (const Port& port : box.ports) draw_port(left, right, port);
   canvas_.close_group();
 }
