@@ -984,9 +984,9 @@ class Web(takt_system.Case):
             if width == 390:
                 page.go("#/cell?select=robot")
                 page.wait_for("#details h2", "^robot$")
-                self.assertEqual([], page.texts(".zoom"), "the buttons would cover most of the drawing")
+                self.assertEqual([], page.texts(".graph .tools"), "the drawing has too little room for the buttons")
                 page.go("#/cell")
-                wait_until(lambda: page.texts(".zoom"), "the buttons of the drawing")
+                wait_until(lambda: page.texts(".graph .tools"), "the buttons of the drawing")
                 page.go("#/modules?select=robot.tuned")
                 wait_until(lambda: page.script("return document.querySelector('#details [data-verb=stop]').getBoundingClientRect().height") >= 60,
                            "a button for Stop that is large enough for a thumb")
@@ -997,6 +997,13 @@ class Web(takt_system.Case):
                 time.sleep(0.3)
                 self.assertGreater(page.script("return document.querySelector('.drawing .state-word').getBoundingClientRect().height"), 7,
                                    "the text of the drawing must be legible at %d x %d px" % (width, high))
+            self.assertEqual([], page.script("""
+                const surface = document.querySelector(".surface").getBoundingClientRect();
+                return [...document.querySelectorAll(".graph button")].map((one) => [one.textContent, one.getBoundingClientRect()])
+                  .filter(([, box]) => box.bottom > surface.top && box.top < surface.bottom && box.height > 0).map(([text]) => text)"""),
+                             "buttons that cover the drawing")
+            self.assertTrue(page.script("return document.querySelector('.drawing path.trend').checkVisibility()"),
+                            "the trend of the jitter at a width of %d px" % width)
         page.size(768, 1024)
         page.go("#/alarms")
         page.wait_for(".alarms .mark .word", "^unacknowledged")

@@ -31,9 +31,9 @@ export class Frame {
       class: "surface", tabindex: "0", role: "group",
       "aria-label": "graph of the cell; the arrow keys move it, plus and minus zoom, 0 shows all of it",
     });
-    this.element = element("div", { class: "frame" }, this.surface, element("div", { class: "zoom" }, ...buttons,
+    this.element = element("div", { class: "frame" }, element("div", { class: "tools" }, ...buttons,
       button("+", "zoom in", () => this.zoom(kStep)), button("\u2212", "zoom out", () => this.zoom(1 / kStep)),
-      button("fit", "fit the whole drawing", () => this.fit())));
+      button("fit", "fit the whole drawing", () => this.fit())), this.surface);
     this.surface.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
     this.surface.addEventListener("keydown", (event) => this.#press(event));
     this.surface.addEventListener("pointerdown", (event) => this.#down(event));

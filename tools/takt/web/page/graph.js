@@ -121,8 +121,8 @@ export class Graph {
     const [x, y, , height] = ["x", "y", "width", "height"].map((of) => Number(box.getAttribute(of)));
     const [left, line] = ["x", "y"].map((of) => Number(state.getAttribute(of)));
     state.remove();
-    const use = drawn("use", { width: kSmall, height: kSmall, x: left + 2, y: line - kSmall + 1 });
-    const word = drawn("text", { "font-size": kSmall, class: "state-word", x: left + kSmall + 6, y: line });
+    const use = drawn("use", { width: kSmall, height: kSmall, x: left - 2, y: line - kSmall + 1 });
+    const word = drawn("text", { "font-size": kSmall, class: "state-word", x: left + kSmall + 2, y: line });
     const strip = drawn("rect", { x, y, width: 4, height, class: "strip" });
     group.append(...(known === this.#modules ? [strip] : []), use, word);
     const [run, jitter, track, used, room] = ["run", "jitter", "track", "used", "trend"].map((part) => group.querySelector(`.${part}`));
