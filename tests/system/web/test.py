@@ -691,7 +691,7 @@ class Web(takt_system.Case):
             if "failure" in told[-1]:
                 break
         self.assertRegex("\n".join(told), r"robot\.tuned: command")
-        self.assertRegex(told[-1], r"^[\d:.]+ line\.fails: error: failure .*run")
+        self.assertRegex(told[-1], r"^[\d:.]+ line\.fails: error: failure: .*run")
         page.wait_for("tr.selected .what", "failure")
         self.assertEqual("true", page.attribute("#tab-faults", "aria-selected"), "the view Cell shows no past")
         listed = "\n".join(page.texts(".faults tbody tr"))
@@ -729,7 +729,7 @@ class Web(takt_system.Case):
         self.assertEqual("false", page.attribute(".tools button", "aria-pressed"))
 
         # The strip says which time has no events, and shows many events at one place as one mark with their number.
-        self.assertEqual(["20000 warnings, 1 note", "; some from before", "overrun late; 19999 more events here", 2], page.wait_script("""
+        self.assertEqual(["20000 warnings, 1 note", "; some from before", "overrun: late; 19999 more events here", 2], page.wait_script("""
             Promise.all([import("/store.js"), import("/strip.js")]).then(async ([{Store}, {Strip}]) => {
               const store = new Store();
               const place = document.body.appendChild(document.createElement("section"));
@@ -885,7 +885,7 @@ class Web(takt_system.Case):
               view.pause.click();
               done([address, said, view.body.querySelector(".what").textContent]);
             }).catch((error) => done(String(error)));""")
-        self.assertEqual(["#/faults?text=old&select=robot.one", "2000 events; paused, 1 new", "overrun its clock is behind"], found)
+        self.assertEqual(["#/faults?text=old&select=robot.one", "2000 events; paused, 1 new", "overrun: its clock is behind"], found)
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait().status, web.err)
 
@@ -1143,7 +1143,7 @@ class Web(takt_system.Case):
         self.assertEqual(["line", "robot"], page.texts(".tiles h2"), "the worst device is first")
         page.wait_for("#alarms .word", r"^\d+ unacknowledged alarms?$")
         self.assertEqual([], page.texts("#alarms .worst"), "the view describes the alarm")
-        page.wait_for(".wall-view.alarmed > .mark", r"^line\.fails error: failure since \d\d:\d\d:\d\d(, returned to normal)?\. .*run")
+        page.wait_for(".wall-view.alarmed > .mark", r"^line\.fails error: failure since \d\d:\d\d:\d\d(, returned to normal)?: .*run")
         self.assertLess(*page.script("""return [".wall-view > .mark", ".tiles"].map((one) => document.querySelector(one).getBoundingClientRect().top)"""),
                         "the alarm is above the tiles")
         small = page.script("""

@@ -14,6 +14,9 @@ export const nameOf = ({ device, module }) => (module ? `${device}.${module}` : 
 export const open = (store) => store.alarms.filter((alarm) => !alarm.acknowledged);
 export const textOf = ({ kind, error, count: times }) => (error ? `${kind}: ${error}` : kind) + (times > 1 ? ` (${count(times)} times)` : "");
 
+/// The same with its cause.
+export const sentenceOf = (event) => [textOf(event), event.cause].filter(Boolean).join(": ");
+
 /// The bar is hidden if there is no unacknowledged alarm.
 export class AlarmBar {
   #store;
@@ -87,7 +90,7 @@ export class Alarms {
     return element("tr", { tabindex: "-1", dataset: { alarm: nameOf(alarm), kind: alarm.kind } },
       element("td", {}, mark.element), element("td", { class: "time", text: instant(alarm.since_ms) }),
       element("td", {}, linkTo(nameOf(alarm), nameOf(alarm), { class: "name" })),
-      element("td", { class: "what" }, element("b", { text: textOf(alarm) }), ` ${alarm.cause}`, by ? element("p", { text: by }) : null),
+      element("td", { class: "what" }, element("b", { text: textOf(alarm) }), alarm.cause ? `: ${alarm.cause}` : "", by ? element("p", { text: by }) : null),
       element("td", {}, button));
   }
 

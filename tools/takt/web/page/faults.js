@@ -1,9 +1,10 @@
 // The view that shows the events of all fault records as they arrive, newest first.
 
+import { nameOf, textOf } from "./alarms.js";
 import { arrows, element, Mark, setText } from "./dom.js";
 import { lookOfSeverity } from "./looks.js";
 import { adjust, linkTo } from "./route.js";
-import { count, day, instant, several } from "./words.js";
+import { day, instant, several } from "./words.js";
 
 const kPage = 200;  // lines shown at first, and added by each "Show older events"
 const kSeverities = { all: "all severities", warning: "warnings and errors", error: "errors" };
@@ -126,15 +127,12 @@ export class Faults {
   #line(event) {
     const mark = new Mark();
     mark.show(lookOfSeverity(event.severity));
-    const of = event.module ? `${event.device}.${event.module}` : event.device;
-    const what = event.error ? `${event.kind}: ${event.error}` : event.kind;
-    const times = event.count > 1 ? ` (${count(event.count)} times)` : "";
     const cycle = event.kind.startsWith("log-") ? `release ${event.cycle}` : `after ${several(event.cycle, "cycle")}`;
     const more = [event.cycle ? cycle : "", event.attachment ? `see ${event.attachment}` : ""].filter(Boolean).join("; ");
     return element("tr", { tabindex: "-1", dataset: { kind: event.kind, severity: event.severity } },
       element("td", { class: "time", text: instant(event.time_ms) }), element("td", {}, mark.element),
-      element("td", {}, linkTo(of, of)),
-      element("td", { class: "what" }, element("b", { text: what + times }), event.cause ? ` ${event.cause}` : null,
+      element("td", {}, linkTo(nameOf(event), nameOf(event))),
+      element("td", { class: "what" }, element("b", { text: textOf(event) }), event.cause ? `: ${event.cause}` : null,
         more ? element("span", { class: "faint small", text: ` ${more}` }) : null));
   }
 }

@@ -1,13 +1,14 @@
 // The strip of time below the view: the faults, losses, commands and deployments of the last hour, as marks by severity. A mark for several
 // events shows their number. A click on an instant moves the faults and the values to this time.
 
+import { nameOf, sentenceOf } from "./alarms.js";
 import { Canvas } from "./canvas.js";
 import { element, setAttribute, setText } from "./dom.js";
 import { shownInstant } from "./fields.js";
 import { lookOfSeverity } from "./looks.js";
 import { alter, currentRoute, go } from "./route.js";
 import { colour } from "./theme.js";
-import { clock, count, instant, several } from "./words.js";
+import { clock, instant, several } from "./words.js";
 
 const kSpan_ms = 3600000;
 const kTick_ms = 600000;
@@ -200,8 +201,4 @@ function mark(context, x, y, severity, number) {
   if (number > 1) context.fillText(String(number), x + kMark - 3, y + 4);
 }
 
-function said(event) {
-  const of = event.module ? `${event.device}.${event.module}` : event.device;
-  const what = event.error ? `${event.kind}: ${event.error}` : event.kind;
-  return `${instant(event.time_ms)} ${of}: ${what}${event.count > 1 ? ` (${count(event.count)} times)` : ""} ${event.cause ?? ""}`;
-}
+const said = (event) => `${instant(event.time_ms)} ${nameOf(event)}: ${sentenceOf(event)}`;

@@ -1,7 +1,7 @@
 // The view for a screen on the wall (the address ends in ?wall), legible from several metres: the worst unacknowledged
 // alarm, else the last fault, and one tile per device, the worst first. The size of the text depends on the width of the screen and on the number of devices.
 
-import { nameOf, open, textOf } from "./alarms.js";
+import { nameOf, open, sentenceOf, textOf } from "./alarms.js";
 import { element, Mark, setAttribute, setText } from "./dom.js";
 import { lookOfDevice, lookOfModule, lookOfSeverity, rankOf } from "./looks.js";
 import { instant } from "./words.js";
@@ -78,9 +78,9 @@ export class Wall {
   #newest() {
     const [alarm] = open(this.#store);
     this.element.classList.toggle("alarmed", alarm !== undefined);
-    if (alarm) return { ...lookOfSeverity(alarm.severity), word: `${nameOf(alarm)} ${textOf(alarm)} since ${instant(alarm.since_ms, {})}${alarm.state === "unacknowledged" ? "" : ", returned to normal"}. ${alarm.cause ?? ""}` };
+    if (alarm) return { ...lookOfSeverity(alarm.severity), word: `${nameOf(alarm)} ${textOf(alarm)} since ${instant(alarm.since_ms, {})}${alarm.state === "unacknowledged" ? "" : ", returned to normal"}${alarm.cause ? `: ${alarm.cause}` : ""}` };
     const last = this.#store.faults.findLast((event) => event.severity !== "note");
     if (!last) return { look: "faint", sign: "good", word: "no recent errors or warnings" };
-    return { ...lookOfSeverity(last.severity), word: `${instant(last.time_ms, {})} ${nameOf(last)}: ${textOf(last)} ${last.cause ?? ""}` };
+    return { ...lookOfSeverity(last.severity), word: `${instant(last.time_ms, {})} ${nameOf(last)}: ${sentenceOf(last)}` };
   }
 }
