@@ -34,7 +34,7 @@ export class Details {
     this.#shown?.hide();
     this.#shown = name === null ? null : name.startsWith("connection:") ? this.connection : name.includes(".") ? this.module : this.device;
     if (!this.#shown) return;
-    this.title.textContent = name.replace(":", " ");
+    this.title.textContent = this.#shown === this.connection ? "connection" : name;
     this.body.replaceChildren(this.#shown.element);
     this.#shown.show(name);
     this.place.scrollTop = 0;

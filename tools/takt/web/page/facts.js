@@ -29,7 +29,7 @@ export class Distributions {
   constructor() {
     this.body = element("tbody");
     this.cells = new Map();
-    const heads = ["us", "mean", "p50", "p99", "p99.9", "max"].map((text) => element("th", { scope: "col", text }));
+    const heads = ["in us", "mean", "p50", "p99", "p99.9", "max"].map((text) => element("th", { scope: "col", text }));
     this.element = element("table", { class: "numbers" }, element("thead", {}, element("tr", {}, ...heads)), this.body);
   }
 

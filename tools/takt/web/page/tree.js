@@ -15,7 +15,7 @@ class Item {
   show(name, look) {
     this.look = look;
     this.mark.show({ ...look, word: "" });
-    setText(this.word, ` ${look.alarm && look.key === "EXECUTING" ? "alarm" : look.word}`);
+    setText(this.word, ` ${look.key === "lost" ? "lost" : look.alarm && look.key === "EXECUTING" ? "alarm" : look.word}`);
     setAttribute(this.word, "data-look", look.look);
     this.word.classList.toggle("unseen", look.look === "good");
     this.text = `${name} ${look.word}${look.alarm ? " alarm" : ""}`.toLowerCase();
