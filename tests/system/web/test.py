@@ -980,6 +980,11 @@ class Web(takt_system.Case):
                           .filter((one) => one.checkVisibility() && (one.getBoundingClientRect().height < 39.5 ||
                                                                      (one.role !== "tab" && one.getBoundingClientRect().right > innerWidth)))
                           .map((one) => `${one.textContent}: ${one.getBoundingClientRect().height}`)"""))
+                    self.assertEqual([], page.script(CUT), "selects whose text is cut off")
+                    self.assertEqual([], page.script("""
+                        const left = (one) => one.getBoundingClientRect().left;
+                        return [...document.querySelectorAll("tr[data-module][aria-selected=true] .name")]
+                          .map((one) => left(one) - left(one.closest("tr"))).filter((away) => away < 8)"""), "text on the bar of the selected row")
                     self.assertEqual([], page.script(TABS), "tabs that are not in one line, or too small for a finger, or not shown when selected")
             if width == 390:
                 page.go("#/cell?select=robot")
@@ -992,11 +997,6 @@ class Web(takt_system.Case):
                            "a button for Stop that is large enough for a thumb")
             page.go("#/cell")
             page.wait_for("[data-module='robot.tuned'] .state-word", ".")
-            for high in (height, 300):
-                page.size(width, high)
-                time.sleep(0.3)
-                self.assertGreater(page.script("return document.querySelector('.drawing .state-word').getBoundingClientRect().height"), 7,
-                                   "the text of the drawing must be legible at %d x %d px" % (width, high))
             self.assertEqual([], page.script("""
                 const surface = document.querySelector(".surface").getBoundingClientRect();
                 return [...document.querySelectorAll(".graph button")].map((one) => [one.textContent, one.getBoundingClientRect()])
@@ -1004,6 +1004,11 @@ class Web(takt_system.Case):
                              "buttons that cover the drawing")
             self.assertTrue(page.script("return document.querySelector('.drawing path.trend').checkVisibility()"),
                             "the trend of the jitter at a width of %d px" % width)
+            for high in (height, 300):
+                page.size(width, high)
+                time.sleep(0.3)
+                self.assertGreater(page.script("return document.querySelector('.drawing .state-word').getBoundingClientRect().height"), 7,
+                                   "the text of the drawing must be legible at %d x %d px" % (width, high))
         page.size(768, 1024)
         page.go("#/alarms")
         page.wait_for(".alarms .mark .word", "^unacknowledged")
@@ -1459,6 +1464,19 @@ return tabs.filter((tab) => {
   return top !== tabs[0].getBoundingClientRect().top || height < least || width < least
     || (tab.getAttribute("aria-selected") === "true" && (left < bar.left - 0.5 || right > bar.right + 0.5));
 }).map((tab) => `${tab.textContent}: ${JSON.stringify(tab.getBoundingClientRect())}`);
+"""
+
+# This script finds selects that are too narrow for the text of their option.
+CUT = """
+return [...document.querySelectorAll("select")].filter((one) => one.checkVisibility()).filter((one) => {
+  const copy = document.createElement("select");
+  Object.assign(copy.style, {position: "absolute", width: "auto"});
+  copy.append(one.selectedOptions[0]?.cloneNode(true) ?? "");
+  one.after(copy);
+  const cut = copy.offsetWidth > one.offsetWidth + 1;
+  copy.remove();
+  return cut;
+}).map((one) => one.selectedOptions[0].textContent);
 """
 
 # This script finds texts whose contrast to their background is lower than WCAG level AA requires. As in WCAG, disabled elements do not
