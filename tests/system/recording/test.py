@@ -99,7 +99,10 @@ class Recording(takt_system.Case):
             few = [row["d.source.out.few[%d]" % i] for i in range(4)]
             self.assertEqual(int(row["d.source.out.number"]) % 5, sum(text != "" for text in few))
         self.assertIn("svg", xml.etree.ElementTree.parse(self.path("a.svg")).getroot().tag)
-        run = self.takt("plot", "a.takt", "d.source.out.number")
+        with open(self.path("a.svg")) as file:
+            self.assertIn(">same (mm)<", file.read())
+        run = self.takt("plot", "a.takt", "d.source.out.same[5]", "d.source.out.number")
+        self.assertRegex(run.out, r"d\.source\.out\.same\[5\] .* mm +\d+\n")
         self.assertRegex(run.out, r"d\.source\.out\.number +%d +%d +%d +\S+ +%d " % (len(numbers), self.not_in_file(), numbers[0], numbers[-1]))
         listed = self.takt("play", "a.takt", "--list")
         self.assertRegex(listed.out, r"d\.source\.out +samples::Count +%d +%d +0\.000" % (len(numbers), self.not_in_file()))

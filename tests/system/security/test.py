@@ -44,8 +44,8 @@ open(sys.argv[1], "wb").write(seen)
 # Words of the descriptor and of states, which must not be readable (the names of topics may be).
 WORDS = (b"quiet_sink", b"port_source.so", b"port_sink.so")
 # The type samples::Count, as its component describes it.
-SHAPE = {"name": "samples::Count", "fields": [{"name": "number", "type": "unsigned long long"}, {"name": "same", "type": "double", "array": [6]},
-                                              {"name": "few", "type": "unsigned long", "sequence": 4}]}
+SHAPE = {"name": "samples::Count", "fields": [{"name": "number", "type": "unsigned long long"}, {"name": "same", "type": "double", "unit": "mm",
+                                               "array": [6]}, {"name": "few", "type": "unsigned long", "sequence": 4}]}
 
 # Device robot reads a value of device line, and fails without it.
 WATCHED = """<cell name="guarded" security="required">

@@ -272,8 +272,7 @@ class Gateway(takt_system.Case):
         self.assertEqual((200, {"problems": []}), self.ask(path, {"ports": ["left.source.out"]}, "PUT"))
         about = events.wait(lambda e: e.of("port"))[0]
         self.assertEqual("samples::Count", about["type"])
-        names = [f["name"] for f in about["fields"]]
-        self.assertEqual(["number", "same[0]"], names[:2])
+        self.assertEqual([{"name": "number"}, {"name": "same[0]", "unit": "mm"}], about["fields"][:2])
 
         def numbers():
             return [n for p in events.of("points") for n in p["values"][0]]

@@ -17,7 +17,7 @@ using testing::Not;
 
 model::Port port(const std::string& name, model::Direction direction, const std::string& text = {}) {
   model::Type type{"line::Part", {{.name = "number", .scalar = model::Scalar::uint32}}};
-  type.fields.push_back({.name = "at", .scalar = model::Scalar::float64, .dimensions = {3}});
+  type.fields.push_back({.name = "at", .scalar = model::Scalar::float64, .unit = "m", .dimensions = {3}});
   return {name, direction, type, text};
 }
 
@@ -70,9 +70,9 @@ TEST(DescribeReport, ShowsAllPartsOfAComponent) {
             "  ports\n"
             "    in     stop  line::Part\n"
             "           Whether to stop.\n"
-            "           unsigned long number, double[3] at\n"
+            "           unsigned long number, double[3] at (m)\n"
             "    out    part  line::Part\n"
-            "           unsigned long number, double[3] at\n");
+            "           unsigned long number, double[3] at (m)\n");
 }
 
 TEST(DescribeReport, ListsTheEnumeratorsOfATypeOnlyOnce) {
