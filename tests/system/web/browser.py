@@ -150,6 +150,9 @@ class Browser:
                 return
         raise AssertionError("pressing %d times %r did not move the focus to the wanted element; the focus is on %r" % (most, key, self.focused()))
 
+    def hover(self, selector):
+        ActionChains(self.driver).move_to_element(self.driver.find_element("css selector", selector)).perform()
+
     def states(self):
         """Returns the states in the list of modules: {"device.module": "EXECUTING"}."""
         return self.script("return Object.fromEntries([...document.querySelectorAll('tr[data-module]')].map((row) =>"

@@ -638,6 +638,7 @@ class Web(takt_system.Case):
             page.wait_for("#details .ports li", " %s " % direction)
             first = number("#details [data-field='robot.source.out.number']")
             wait_until(lambda: number("#details [data-field='robot.source.out.number']") > first + 50, "newer values")
+        page.wait_for("#details [data-field='robot.source.out.same[0]'] .value", r"^\d+ mm$")
         wait_until(lambda: page.script("""
             const canvas = document.querySelector("#details [data-field='robot.source.out.number'] canvas");
             return canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.some((of) => of > 0)"""), "the trend")
@@ -876,7 +877,7 @@ class Web(takt_system.Case):
               store.takeFaults({whole: true, events: Array.from({length: 2000}, () => fault("old", 2000))});
               view.show(new URLSearchParams());
               history.replaceState(null, "", "#/faults?text=old");
-              view.body.querySelector("a").click();
+              view.body.querySelector("td:nth-child(3) a").click();
               const address = location.hash;
               view.pause.click();
               store.takeFaults({events: [fault("its clock is behind", 1000)]});
@@ -959,6 +960,55 @@ class Web(takt_system.Case):
               % (len(frames), frames[len(frames) // 2], frames[len(frames) * 99 // 100], frames[-1]))
         page.go("#/cell")
         page.wait_for("[data-module='robot.m0'] .state-word", "EXECUTING")
+        self.finish(web)
+
+    def test_a_tab_of_the_web_page_opens_its_view_as_the_user_left_it_with_the_current_selection(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("#/plots?series=robot.source.out.number&range=60")
+        page.wait_for(VALUE, r"^\d+$")
+        for name in ("robot.tuned", "robot.source"):
+            page.click("[data-item='%s']" % name)
+            page.click("#tab-modules")
+            page.wait_for("#details h2", "^%s$" % re.escape(name))
+            page.click("#tab-plots")
+            page.wait_for("#details h2", "^%s$" % re.escape(name))
+            self.assertEqual("#/plots?select=%s&series=robot.source.out.number&range=60" % name, page.script("return location.hash"))
+            page.wait_for(".legend-table th", "^robot.source.out.number$")
+        # The time of an event is a link that takes all views to this instant.
+        page.click("#tab-faults")
+        page.click(".faults tbody .time a")
+        self.assertRegex(page.script("return location.hash"), r"^#/faults\?select=robot\.source&at=\d+")
+        page.wait_for_attribute(".faults tbody tr", "class", "selected")
+        self.finish(web)
+
+    def test_no_line_of_the_tree_moves_away_below_the_mouse(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("#/modules")
+        page.wait_for("[data-item='robot.source']", "source")
+        wait_until(lambda: page.states().get("robot.source") == "EXECUTING", "EXECUTING")
+
+        def lines():
+            return page.script("return [...document.querySelectorAll('[data-item]')].map((one) => one.dataset.item)")
+        page.hover("[data-item='robot.source']")
+        before = lines()
+        for verb, state in (("stop", "START (stopped)"), ("start", "EXECUTING"), ("stop", "START (stopped)")):
+            self.done(verb + " robot.tuned")
+            wait_until(lambda: page.states()["robot.tuned"] == state, state)
+            self.assertEqual(before, lines())
+        page.hover("#view")
+        wait_until(lambda: lines() != before, "the stopped module above the others")
+        self.finish(web)
+
+    def test_the_view_modules_says_how_often_a_run_time_exceeded_the_budget(self):
+        file = self.write("cell.xml", '<cell name="cell"><device name="robot"><module><name>slow</name><filename>slow.so</filename>'
+                          '<moduletype>thread</moduletype><operationtype>periodic</operationtype><period>10ms</period><priority>1</priority>'
+                          '<budget times="1000">10us</budget></module></device></cell>')
+        web = self.serve()
+        self.cell(file, ("robot",))
+        page = self.look("#/modules?only=over")
+        page.wait_for("[data-module='robot.slow'] .some", r"^\d+ over$")
         self.finish(web)
 
     def test_the_web_page_is_usable_on_phones_tablets_and_desktop_screens(self):
@@ -1212,13 +1262,20 @@ class Web(takt_system.Case):
                         "add.dispatchEvent(new Event('change'))", port)
             page.wait_for(".legend-table th", "^%s.number$" % re.escape(port))
         series = ["%s.%s" % (port, field) for port in ("robot.source.out", "line.source.out") for field in ("number", "same[0]", "same[1]", "same[2]")]
-        self.assertEqual(series, page.texts(".legend-table tbody th"))
+
+        def legend():
+            return page.texts(".legend-table tbody th")
+
+        def with_units(names):
+            return [name + " (mm)" if ".same[" in name else name for name in names]
+        self.assertEqual(with_units(series), legend())
         self.assertEqual(1, len(page.texts(".plot")))
         for one in series[1:4] + series[5:7]:
             page.click("label[data-name='%s'] input" % one)
         shown = ["robot.source.out.number", "line.source.out.number", "line.source.out.same[2]"]
-        self.assertEqual(shown, page.texts(".legend-table tbody th"))
+        self.assertEqual(with_units(shown), legend())
         wait_until(lambda: len([text for text in page.texts(VALUE) if text.isdigit()]) == 3, "values of both ports")
+        wait_until(lambda: any(re.match(r"^\d+ mm$", text) for text in page.texts(".dygraph-axis-label-y2")), "a right axis in mm")
         for colour in ("series-1", "series-2"):
             wait_until(lambda: page.script(PIXELS, colour) > 5, "a curve in the colour " + colour)
         page.script("const range = document.querySelector('select[aria-label=range]'); range.value = 60; range.dispatchEvent(new Event('change'))")
@@ -1229,11 +1286,11 @@ class Web(takt_system.Case):
         page.open("about:blank")
         page.open(address)
         page.wait_for(VALUE, r"^\d+$")
-        wait_until(lambda: page.texts(".legend-table tbody th") == shown, "the same series")
+        wait_until(lambda: legend() == with_units(shown), "the same series")
         self.assertEqual(3, len(page.texts(".plot")))
         self.assertEqual("60", page.script("return document.querySelector('select[aria-label=range]').value"))
         page.click("button[aria-label='remove line.source.out']")
-        wait_until(lambda: page.texts(".legend-table tbody th") == shown[:1], "the remaining series")
+        wait_until(lambda: legend() == shown[:1], "the remaining series")
         page.go("#/plots?series=robot.source.out.nothing")
         page.wait_for(".tools [role=status]", "^robot.source.out.nothing: the port has no such field$")
         self.finish(web, apart=("willReadFrequently",))

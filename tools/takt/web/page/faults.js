@@ -3,7 +3,7 @@
 import { nameOf, textOf } from "./alarms.js";
 import { arrows, element, Mark, setText } from "./dom.js";
 import { lookOfSeverity } from "./looks.js";
-import { adjust, linkTo } from "./route.js";
+import { adjust, linkTo, linkWith } from "./route.js";
 import { day, instant, several } from "./words.js";
 
 const kPage = 200;  // lines shown at first, and added by each "Show older events"
@@ -130,7 +130,7 @@ export class Faults {
     const cycle = event.kind.startsWith("log-") ? `release ${event.cycle}` : `after ${several(event.cycle, "cycle")}`;
     const more = [event.cycle ? cycle : "", event.attachment ? `see ${event.attachment}` : ""].filter(Boolean).join("; ");
     return element("tr", { tabindex: "-1", dataset: { kind: event.kind, severity: event.severity } },
-      element("td", { class: "time", text: instant(event.time_ms) }), element("td", {}, mark.element),
+      element("td", { class: "time" }, linkWith({ at: event.time_ms }, instant(event.time_ms), { title: "show this instant in all views" })), element("td", {}, mark.element),
       element("td", {}, linkTo(nameOf(event), nameOf(event))),
       element("td", { class: "what" }, element("b", { text: textOf(event) }), event.cause ? `: ${event.cause}` : null,
         more ? element("span", { class: "faint small", text: ` ${more}` }) : null));

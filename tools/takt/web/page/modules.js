@@ -28,11 +28,12 @@ class Row {
     this.spark = new Spark(kTrend);
     this.link = linkTo(module.name, module.label, { class: "name" });
     this.about = element("span", { class: "faint small" });
+    this.over = element("span", { class: "some small", title: "how often the run time exceeded the budget" });
     this.alarm = element("a", { href: addressOf("alarms"), class: "alarm" });
     const numbers = (label) => element("td", { class: "number", dataset: { label } });  // a phone shows the label with the number
     this.cells = {
       name: element("th", { scope: "row" }, this.link, this.about), state: element("td", {}, this.mark.element, this.alarm),
-      p50: numbers("jitter p50, us"), p99: numbers("jitter p99, us"), run: element("td", { dataset: { label: "run time p99" } }, this.bar.element),
+      p50: numbers("jitter p50, us"), p99: numbers("jitter p99, us"), run: element("td", { dataset: { label: "run time p99" } }, this.bar.element, this.over),
       overruns: numbers("overruns"), recoveries: numbers("recoveries"),
       trend: element("td", { class: "trend" }, this.spark.element),
     };
@@ -59,6 +60,7 @@ class Row {
     setText(this.cells.p99, number(measures.jitter_us.p99));
     const use = useOf(this.module);
     this.bar.show(use.share, use.allowed ? `${use.words} of ${exact(use.allowed)}${use.what === "budget" ? "" : ` ${use.what}`}` : use.words);
+    setText(this.over, measures.over_budget > 0 ? `${count(measures.over_budget)} over` : "");
     for (const what of ["overruns", "recoveries"]) {
       setText(this.cells[what], count(measures[what]));
       this.cells[what].classList.toggle("some", measures[what] > 0);
@@ -79,7 +81,7 @@ export class Modules {
       on: { input: () => this.#choose({ filter: this.filter.value }) } });
     this.only = element("select", { "aria-label": "which modules", on: { change: () => this.#choose({ only: this.only.value }) } },
       element("option", { value: "", text: "all modules" }), element("option", { value: "trouble", text: "not EXECUTING" }),
-      element("option", { value: "over", text: "with overruns or recoveries" }));
+      element("option", { value: "over", text: "late, over budget or recovered" }));
     this.shown = element("span", { class: "faint", role: "status" });
     this.heads = new Map(kColumns.map((column) => [column.key, this.#head(column)]));
     this.body = element("tbody");
@@ -207,7 +209,7 @@ export class Modules {
     const words = this.filter.value.toLowerCase();
     if (words && !`${row.module.name} ${row.look.word}`.toLowerCase().includes(words)) return false;
     if (this.only.value === "trouble") return row.look.key !== "EXECUTING";
-    if (this.only.value === "over") return row.module.measures?.overruns > 0 || row.module.measures?.recoveries > 0;
+    if (this.only.value === "over") return ["overruns", "over_budget", "recoveries"].some((what) => row.module.measures?.[what] > 0);
     return true;
   }
 

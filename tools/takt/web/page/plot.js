@@ -24,9 +24,10 @@ export function sampleOf(index) {
 
 export class Plot {
   #window = [0, 1];
-  #zoomed = null;  // the range of values that the user has chosen
+  #zoomed = null;  // the ranges of values that the user has chosen, one for each axis
 
   /// A series has a name, `rows` and its `column` there, its `index` in the legend and, if it is an enumeration, the `labels` of 0, 1, ...
+  /// Series with another `unit` than that of the first have the axis at the right.
   /// The plot calls `moved(from, to)` if the user zooms or pans, `pointed(time)` with the time under the pointer or null, and
   /// `marked(time)` after a click, and `followed()` after a double click. Without `moved`, the user cannot zoom and pan.
   constructor({ title, series, pointed, moved = null, marked = () => {}, followed = () => {} }) {
@@ -45,6 +46,10 @@ export class Plot {
       wheel: (event) => moved && this.#turn(event), keydown: (event) => this.#press(event), blur: () => pointed(null),
     } }, this.canvas, ...this.lines);
     const labels = series[0]?.labels;
+    const unit = series[0]?.unit ?? "";
+    this.axes = series.map((one) => ((one.unit ?? "") === unit ? "y" : "y2"));
+    const others = [...new Set(series.filter((_, i) => this.axes[i] === "y2").map((one) => one.unit ?? ""))];
+    this.units = { y: unit, y2: others.length === 1 ? others[0] : "" };
     this.labels = labels && series.every((one) => String(one.labels) === String(labels)) ? labels : null;
   }
 
@@ -64,10 +69,13 @@ export class Plot {
       return low <= high ? [low, high] : undefined;
     });
     const changed = { file: table.length > 0 ? table : [[from, ...this.series.map(() => null)]], dateWindow: [from, to],
-      valueRange: this.#zoomed ?? this.#range(extremes.filter(Boolean).flat()) };
+      axes: Object.fromEntries(["y", "y2"].map((axis, i) => [axis, { valueRange: this.#zoomed?.[i] ?? this.#range(extremes.filter((_, k) => this.axes[k] === axis).filter(Boolean).flat()) }])) };
     this.showing = true;
     if (this.graph) this.graph.updateOptions(changed);
-    else this.graph = new Dygraph(this.canvas, changed.file, { ...changed, ...this.#look(), ...this.#ways() });
+    else {
+      this.graph = new Dygraph(this.canvas, changed.file, { ...this.#look(), ...this.#ways() });
+      this.graph.updateOptions(changed);
+    }
     this.showing = false;
     if (this.pointer) this.pointed(this.#time(this.pointer));  // the curves have moved under the pointer
     return extremes;
@@ -110,22 +118,33 @@ export class Plot {
     };
     return {
       labels: ["time", ...this.series.map(({ name }) => name)],
-      series: Object.fromEntries(this.series.map(({ name, index, labels }) => [name, { strokePattern: dashOf(index), stepPlot: Boolean(labels) }])),
+      series: Object.fromEntries(this.series.map(({ name, index, labels }, i) => [name, { strokePattern: dashOf(index), stepPlot: Boolean(labels), axis: this.axes[i] }])),
       strokeWidth: 1.5, gridLineWidth: 1, axisLineWidth: 1, axisLabelFontSize: 11, rightGap: 8, resizable: "passive",
       connectSeparatedPoints: true, highlightCircleSize: 0,
       axes: {
         x: { pixelsPerLabel: 78, axisLabelWidth: 76, ticker: Dygraph.dateTicker, axisLabelFormatter: (time, granularity) => hour(time.getTime(), granularity) },
-        y: { pixelsPerLabel: 34, axisLabelWidth: 72, ticker: this.labels ? () => shortened(this.labels).map((label, v) => ({ v, label })) : ticks },
+        y: { pixelsPerLabel: 34, axisLabelWidth: 72, ticker: this.labels ? () => shortened(this.labels).map((label, v) => ({ v, label })) : this.#ticks("y") },
+        y2: { pixelsPerLabel: 34, axisLabelWidth: 72, independentTicks: true, ticker: this.#ticks("y2") },
       },
       drawCallback: (graph) => {
         const [from, to] = graph.xAxisRange();
         if (!this.showing && (from !== this.#window[0] || to !== this.#window[1])) this.moved?.(from, to);
       },
-      zoomCallback: (from, to, [range]) => {
-        if (from === this.#window[0] && to === this.#window[1]) this.#zoomed = range;
+      zoomCallback: (from, to, ranges) => {
+        if (from === this.#window[0] && to === this.#window[1]) this.#zoomed = ranges;
       },
       interactionModel: !this.moved ? {} : { ...model, touchstart: touched, dblclick() {},
         touchend: (event, graph, context) => { if (event.touches.length > 0) touched(event, graph, context); } },
+    };
+  }
+
+  /// The marks of an axis of numbers, the highest with the unit.
+  #ticks(axis) {
+    return (...range) => {
+      const found = ticks(...range);
+      const last = found.filter(({ v }) => v <= range[1]).at(-1);
+      if (last && this.units[axis]) last.label += ` ${this.units[axis].replace(/[&<>]/g, "")}`;
+      return found;
     };
   }
 

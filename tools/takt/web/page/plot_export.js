@@ -37,8 +37,8 @@ export function pictureOf(plots, series) {
     for (const part of plot.querySelectorAll("canvas")) context.drawImage(part, 0, top, part.clientWidth, part.clientHeight);
     for (const label of plot.querySelectorAll(".dygraph-axis-label")) {
       const its = label.getBoundingClientRect();
-      context.textAlign = label.classList.contains("dygraph-axis-label-y") ? "right" : "center";
-      context.fillText(label.textContent, (context.textAlign === "right" ? its.right : (its.left + its.right) / 2) - at.left,
+      context.textAlign = label.classList.contains("dygraph-axis-label-y2") ? "left" : label.classList.contains("dygraph-axis-label-y") ? "right" : "center";
+      context.fillText(label.textContent, { left: its.left, right: its.right, center: (its.left + its.right) / 2 }[context.textAlign] - at.left,
         top + (its.top + its.bottom) / 2 - at.top);
     }
     top += plot.clientHeight;

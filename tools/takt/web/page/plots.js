@@ -169,7 +169,7 @@ export class Plots {
       const { rows, fields } = this.#store.ports.get(port) ?? {};
       const column = (fields ?? []).findIndex((field) => `${port}.${field.name}` === name);
       const { labels, unit } = fields?.[column] ?? {};
-      return { name, port, index, rows, column: column + 1, labels, title: unit ? `${name} (${unit})` : name };
+      return { name, port, index, rows, column: column + 1, labels, unit, title: unit ? `${name} (${unit})` : name };
     }).filter(({ column }) => column > 0);
     if (this.#ports.length === 0) setText(this.status, "Choose a port. The page then plots its values.");
     const unknown = this.#chosen.filter((name) => this.#store.ports.get(portOf(name))?.fields && !this.#series.some((series) => series.name === name));

@@ -15,21 +15,34 @@ export function addressOf(view, parameters = {}) {
   return text ? `#/${view}?${text}` : `#/${view}`;
 }
 
-/// Makes every link to a view keep the selection, the watch list and the instant of the current address, unless the link has its own.
+/// Makes every link to a view keep the selection, the watch list and the instant of the current address, unless the link has its own. A tab
+/// opens its view as the user left it.
 export function keepParameters() {
+  const left = new Map();  // by view: its own parameters when the user left it
   document.addEventListener("click", (event) => {
     const link = event.target.closest?.('a[href^="#/"]');
-    const [view, own] = link?.getAttribute("href").slice(2).split("?") ?? [];
-    const kept = [...currentRoute().parameters].filter(([name]) => kKept.includes(name));
-    if (view) link.href = addressOf(view, Object.fromEntries([...kept, ...new URLSearchParams(own)]));
+    if (!link) return;
+    const before = link.getAttribute("href");
+    const [view, own] = before.slice(2).split("?");
+    const route = currentRoute();
+    const isKept = ([name]) => kKept.includes(name);
+    left.set(route.view, [...route.parameters].filter((one) => !isKept(one)));
+    const asLeft = link.role === "tab" ? left.get(view) ?? [] : [];
+    link.href = addressOf(view, Object.fromEntries([...[...route.parameters].filter(isKept), ...asLeft, ...new URLSearchParams(own)]));
+    setTimeout(() => link.setAttribute("href", before));  // the next click starts from another address
   }, true);
 }
 
 /// Creates a link that selects a module or device. The current view and its filters stay.
 export function linkTo(name, text, attributes = {}) {
+  return linkWith({ select: name }, text, attributes);
+}
+
+/// Creates a link that changes these parameters of the current view.
+export function linkWith(parameters, text, attributes = {}) {
   const address = () => {
     const route = currentRoute();
-    return addressOf(route.view, { ...Object.fromEntries(route.parameters), select: name });
+    return addressOf(route.view, { ...Object.fromEntries(route.parameters), ...parameters });
   };
   return element("a", { ...attributes, href: address(), text, on: { click: (event) => { event.currentTarget.href = address(); } } });
 }

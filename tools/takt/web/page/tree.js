@@ -36,6 +36,9 @@ export class Tree {
     this.count = element("p", { class: "faint small", role: "status" });
     place.append(this.filter, this.list, this.count);
     arrows(this.list, "[role=treeitem]");
+    // No line moves away below the mouse.
+    this.list.addEventListener("pointerenter", ({ pointerType }) => { this.held = pointerType === "mouse"; });
+    this.list.addEventListener("pointerleave", () => { this.held = false; this.#showAll(); });
   }
 
   show() {
@@ -86,6 +89,7 @@ export class Tree {
     setText(this.count, words ? `${shown} of ${several(this.#store.modules.size, "module")}` : "");
     const order = lines.map((line) => line.dataset.item).join(" ");
     if (order === this.#order) return;
+    if (this.held && lines.length === this.list.children.length && lines.every((line) => line.parentNode === this.list)) return;
     this.#order = order;
     const focused = document.activeElement;
     this.list.replaceChildren(...lines);
