@@ -141,7 +141,7 @@ TEST(Type, RejectsAKeyField) {
   EXPECT_THAT(problems_with(R"({"name":"x","type":"long","key":true})"), ElementsAre("T.x is a key"));
 }
 
-TEST(Type, RejectsAUnitThatIsNoShortTextOrNotOfANumber) {
+TEST(Type, RejectsAnInvalidUnit) {
   for (const auto* const unit :
        {"7", "\"\"", "\"\u00b0C\"", "\"a\\nb\"", "\"a metre has more than 32 characters\""})
     EXPECT_THAT(problems_with(std::string{R"({"name":"x","type":"long","unit":)"} + unit + "}"),

@@ -31,7 +31,7 @@ class RecentFaults {
 
   /// Returns these members of a JSON object:
   /// - `events`: the events, oldest first,
-  /// - `older`: the number to pass to before() for the events before these; 0 if there are none,
+  /// - `older`: the argument of before() that returns the next older events; 0 if there are none,
   /// - `complete_since_ms`: no event after this time is missing.
   [[nodiscard]] std::string newest() const;
   /// Like newest(), with the events before the event with this number. Returns none if the number is unknown.
