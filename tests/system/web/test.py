@@ -371,35 +371,44 @@ class Web(takt_system.Case):
         self.assertEqual(1, self.viewers(), "all tabs must share one event stream")
         self.finish(web)
 
-    def proxy(self, name, more=""):
-        """Starts nginx with the configuration in docs/web.md, in which the host is `name`, and the location also has the lines `more`. Returns
-        the process, and the address of the web page."""
+    def proxy(self, server, name):
+        """Starts nginx or Caddy with its configuration in docs/web.md, in which the host is `name`. Returns the process, and the address of
+        the web page."""
         with open(os.path.join(takt_system.SOURCE, "docs", "web.md")) as docs:
-            text = re.search(r"```nginx\n([\s\S]*?)```", docs.read())[1]
+            text = re.search(r"```%s\n([\s\S]*?)```" % server, docs.read())[1]
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
-        subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=" + name, "-out", "cell.crt", "-keyout", "cell.key"],
+        subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=" + name, "-addext",
+                        "subjectAltName=DNS:" + name, "-out", "cell.crt", "-keyout", "cell.key"],
                        cwd=self.folder, check=True, capture_output=True)
-        for documented, tested in (("443", "127.0.0.1:%d" % port), ("127.0.0.1:8080", urllib.parse.urlparse(self.address).netloc),
-                                   ("/etc/ssl", self.folder), ("cells.example.com", name), ("location /takt/ {", "location /takt/ {\n" + more)):
+        replaced = {"nginx": (("443", "127.0.0.1:%d" % port), ("/etc/ssl", self.folder), ("cells.example.com", name)),
+                    "caddyfile": (("cells.example.com {", "%s:%d {\nbind 127.0.0.1\ntls cell.crt cell.key\n" % (name, port)),)}[server]
+        for documented, tested in replaced + (("127.0.0.1:8080", urllib.parse.urlparse(self.address).netloc),):
             self.assertIn(documented, text)
             text = text.replace(documented, tested)
-        folders = "".join("%s_temp_path %s;\n" % (what, what) for what in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
-        self.write("nginx.conf", "daemon off;\nmaster_process off;\npid nginx.pid;\nevents {}\nhttp {\naccess_log off;\n%s%s}\n" % (folders, text))
-        nginx = subprocess.Popen(["/usr/sbin/nginx", "-p", self.folder, "-e", "nginx.log", "-c", "nginx.conf"])
-        self.addCleanup(nginx.wait)
-        self.addCleanup(nginx.terminate)
-        wait_until(lambda: listens(port), "nginx to listen")
-        return nginx, "https://%s:%d/takt/" % (name, port)
+        if server == "nginx":
+            folders = "".join("%s_temp_path %s;\n" % (what, what) for what in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
+            text = "daemon off;\nmaster_process off;\npid nginx.pid;\nevents {}\nhttp {\naccess_log off;\n%s%s}\n" % (folders, text)
+            command = ["/usr/sbin/nginx", "-p", self.folder, "-e", "nginx.log", "-c", "nginx"]
+        else:
+            text = "{\nadmin off\nauto_https disable_redirects\nservers {\nprotocols h1 h2\n}\n}\n" + text
+            command = ["/usr/bin/caddy", "run", "--adapter", "caddyfile", "--config", "caddyfile"]
+        self.write(server, text)
+        process = subprocess.Popen(command, cwd=self.folder, env=dict(os.environ, HOME=self.folder, XDG_DATA_HOME=self.folder, XDG_CONFIG_HOME=self.folder),
+                                   stderr=subprocess.DEVNULL)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.terminate)
+        wait_until(lambda: listens(port), "%s to listen" % server)
+        return process, "https://%s:%d/takt/" % (name, port)
 
-    def test_the_web_page_works_behind_the_proxy_that_its_documentation_configures(self):
+    def test_the_web_page_works_behind_the_proxies_that_its_documentation_configures(self):
         name = "cells.test"
         self.running = self.nodes("robot", "line")
         self.deploy("cell.xml")
-        for options, more in (((), ""), (("--host-name", name), "proxy_set_header Host $host;\n")):
+        for server, options in (("nginx", ()), ("caddyfile", ("--host-name", name))):
             web = self.serve(*options)
-            nginx, behind = self.proxy(name, more)
+            proxy, behind = self.proxy(server, name)
             page = self.look("#/modules", local_names=[name])
             page.open(behind + "#token=" + TOKEN)
             page.wait_for("#rights", "may command")
@@ -411,7 +420,8 @@ class Web(takt_system.Case):
                 page.wait_for("#details .mark .word", "^" + state)
                 took.append(took_ms)
             took.sort()
-            print("from a click until the answer, behind nginx: %d commands, ms: p50 %.0f, longest %.0f" % (len(took), took[len(took) // 2], took[-1]))
+            print("from a click until the answer, behind a proxy (%s): %d commands, ms: p50 %.0f, longest %.0f"
+                  % (server, len(took), took[len(took) // 2], took[-1]))
             # nginx does not forward this header, but without it, nginx holds back events until there are more of them.
             with urllib.request.urlopen(self.address + "api/events", timeout=takt_system.LONG) as events:
                 self.assertEqual("no", events.headers["X-Accel-Buffering"])
@@ -420,8 +430,8 @@ class Web(takt_system.Case):
             self.assertEqual(200, page.wait_script("fetch('metrics').then((answer) => done(answer.status))"))
             self.assertEqual([], page.errors())
             page.close()
-            nginx.terminate()
-            nginx.wait()
+            proxy.terminate()
+            proxy.wait()
             web.signal(signal.SIGTERM)
             self.assertEqual(0, web.wait().status, web.err)
         self.done("undeploy cell")
