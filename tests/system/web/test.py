@@ -715,9 +715,14 @@ class Web(takt_system.Case):
         page.open("about:blank")
         page.open(address)
         page.wait_for("tr.selected .what", "failure")
-        page.click("#strip button")
+        page.click("#strip .live")
         wait_until(lambda: at() == 0, "the present")
-        page.wait_for_attribute("#strip button", "aria-pressed", "true")
+        page.click("#strip .span")
+        page.wait_for("#strip .span", "^last 10 min$")
+        page.wait_for("#strip .caption", r"\b1 error\b")
+        page.click("#strip .span")
+        page.wait_for("#strip .span", "^last hour$")
+        page.wait_for_attribute("#strip .live", "aria-pressed", "true")
 
         # A click on the mark of the error does the same, and a second click returns to the present.
         place = page.script("""
@@ -740,7 +745,7 @@ class Web(takt_system.Case):
         self.assertEqual("false", page.attribute(".tools button", "aria-pressed"))
 
         # The strip says which time has no events, and shows many events at one place as one mark with their number.
-        self.assertEqual(["20000 warnings, 1 note", "; some from before", "overrun: late; 19999 more events here", 2], page.wait_script("""
+        self.assertEqual(["20000 warnings, 1 note", "; some from before", "overrun: late; 19999 more events here", 2, "last 10 min: no events"], page.wait_script("""
             Promise.all([import("/store.js"), import("/strip.js")]).then(async ([{Store}, {Strip}]) => {
               const store = new Store();
               const place = document.body.appendChild(document.createElement("section"));
@@ -769,7 +774,11 @@ class Web(takt_system.Case):
               strip.update({faults: true});
               const since = strip.caption.textContent.slice(all.length).replace(/ [\\d:]+ are missing$/, "");
               strip.canvas.element.dispatchEvent(new PointerEvent("pointermove", {clientX: strip.canvas.element.clientWidth / 2 - 8, clientY: 18}));
-              done([all, since, strip.caption.textContent.replace(/^.*robot.one: /, ""), drawn]);
+              const pointed = strip.caption.textContent.replace(/^.*robot.one: /, "");
+              strip.canvas.element.dispatchEvent(new PointerEvent("pointerleave"));
+              history.replaceState(null, "", "#/plots?span=10min");
+              strip.show();
+              done([all, since, pointed, drawn, `${strip.span.textContent}: ${strip.caption.textContent}`]);
             }).catch((error) => done(String(error)));"""))
         self.finish(web, apart=("willReadFrequently",))
 
@@ -1115,6 +1124,12 @@ class Web(takt_system.Case):
         number = int(page.wait_for(label, r"^\d+ \+\d+ \u00b7 \S+ .?s$").split()[0])
         page.wait_for_attribute(".values", "aria-pressed", "true")
         wait_until(lambda: int(page.text(label).split()[0]) > number, "a newer value")
+        # A plot begins with the values that the graph has shown.
+        page.go("#/plots?port=robot.source.out")
+        page.wait_for(VALUE, r"^\d+$")
+        self.assertLessEqual(int(page.text(".legend-table td[data-label=minimum]")), number)
+        page.go("#/cell")
+        page.wait_for(label, r"^\d+ ")
         page.click(".values")
         wait_until(lambda: page.text(label) == "", "no value")
         self.assertIn("values=off", page.script("return location.hash"))

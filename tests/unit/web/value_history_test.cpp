@@ -49,6 +49,14 @@ TEST(ValueHistory, MarksMissingValuesAsNotANumber) {
   EXPECT_THAT(values(history), ElementsAre(NanSensitiveDoubleEq(NAN)));
 }
 
+TEST(ValueHistory, ForgetsTheValuesFromBeforeATime) {
+  ValueHistory history;
+  for (int i = 0; i < 3600; ++i) history.add(at(i * 1s), {static_cast<double>(i)});
+  history.complete();
+  history.forget(at(3597s));
+  EXPECT_THAT(values(history), ElementsAre(3597, 3598, 3599));
+}
+
 TEST(ValueHistory, KeepsAPeakOfOneSampleForHours) {
   ValueHistory history;
   std::size_t largest = 0;

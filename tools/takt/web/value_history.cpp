@@ -68,6 +68,11 @@ void ValueHistory::complete() {
   thin();
 }
 
+void ValueHistory::forget(std::int64_t time_ns) {
+  for (std::deque<Row>& rows : rows_)
+    while (!rows.empty() && rows.front().time_ns < time_ns) rows.pop_front();
+}
+
 // Moves the rows that are too old for their stage to the next stage, in whole intervals of that stage.
 void ValueHistory::thin() {
   for (std::size_t i = 0; i < kStages.size(); ++i) {

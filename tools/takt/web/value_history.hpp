@@ -37,6 +37,8 @@ class ValueHistory {
   void add(std::int64_t time_ns, const std::vector<double>& values);
   /// Ends the present interval, so that after() returns its values, too.
   void complete();
+  /// Drops the values from before `time_ns`.
+  void forget(std::int64_t time_ns);
 
   [[nodiscard]] std::int64_t newest() const { return newest_; }
   /// Returns the rows that are newer than `time_ns`, oldest first: all of them, or at least `enough`. In the

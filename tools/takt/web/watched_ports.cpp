@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 #include <utility>
 
@@ -36,11 +37,12 @@ struct WatchedPorts::Source {
   void add(const std::byte* bytes, std::size_t size, std::int64_t time_ns) {
     const std::lock_guard lock{mutex};
     newest.assign(bytes, bytes + size);
-    if (!whole) return;
+    if (!whole && std::abs(time_ns - history.newest()) < Nanoseconds{kNewestEvery}.count() / 2) return;
     columns.values(bytes, size, values);
     for (std::size_t i = 0; i < shown.size(); ++i)
       row[i] = values[shown[i]].number(!columns.all()[shown[i]].enumerators.empty());
     history.add(time_ns, row);
+    if (!whole) history.forget(time_ns - Nanoseconds{kKept}.count());
   }
 
   [[nodiscard]] bool is_of(const dds::Flow& other) const {
@@ -48,10 +50,9 @@ struct WatchedPorts::Source {
            flow.quality.reliable == other.quality.reliable;
   }
 
-  /// Begins or ends the history of the values.
+  /// Keeps all values for hours, or only some of the last minutes.
   void keep_all(bool all) {
     const std::lock_guard lock{mutex};
-    if (whole && !all) history = {};
     if (!whole && all) plotted = os::now();
     whole = all;
   }
@@ -104,7 +105,7 @@ struct WatchedPorts::Source {
   Instant asked{};
   Instant used{};
   Instant plotted{};
-  bool whole = false;  // true if the history is kept; changed only while both WatchedPorts::mutex_ and
+  bool whole = false;  // true if all values are kept; changed only while both WatchedPorts::mutex_ and
                        // `mutex` are locked, or before the source is known
 
   std::mutex mutex;
@@ -290,12 +291,12 @@ void WatchedPorts::maintain() {
     const Instant now = os::now();
     for (auto one = sources_.begin(); one != sources_.end();) {
       Source& source = *one->second;
-      if (now - source.used > kUnused) {
+      if (now - source.used > kKept) {
         gone.push_back(std::move(one->second));
         one = sources_.erase(one);
         continue;
       }
-      if (source.whole && now - source.plotted > kUnused) source.keep_all(false);
+      if (source.whole && now - source.plotted > kUnplotted) source.keep_all(false);
       if (now - source.asked > client::kAskAgain) {
         source.asked = now;
         again[one->first] = source.whole;

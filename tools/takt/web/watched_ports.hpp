@@ -20,9 +20,9 @@
 
 namespace takt::tool::web {
 
-/// Collects the values of a port while a page shows it, and for kUnused longer, in case the page shows it
-/// again. Asks the devices for every sample of a port only while a page plots the port. Any thread may call
-/// the functions.
+/// Collects the values of a port while a page shows it, and for kKept longer, in case a page shows it again.
+/// Asks the devices for every sample of a port only while a page plots the port, and for kUnplotted longer.
+/// Any thread may call the functions.
 class WatchedPorts {
  public:
   static constexpr std::size_t kMost = 32;         ///< limit of the plotted ports of one stream
@@ -30,7 +30,9 @@ class WatchedPorts {
   /// Time between two newest values of a port. People cannot read values that change faster.
   static constexpr std::chrono::milliseconds kNewestEvery{500};
   static constexpr std::size_t kMostFields = 32;  ///< limit of the plotted fields of one port
-  static constexpr std::chrono::seconds kUnused{60};
+  static constexpr std::chrono::seconds kUnplotted{60};
+  /// Age of the oldest value of a port that no page plots. A plot of it then begins with these values.
+  static constexpr std::chrono::minutes kKept{10};
 
   WatchedPorts(client::Connection& client, Streams& streams);
   ~WatchedPorts();

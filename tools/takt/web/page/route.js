@@ -2,7 +2,7 @@
 
 import { element } from "./dom.js";
 
-const kKept = ["select", "watch", "at", "collapsed", "values"];  // the parameters that stay when the user opens another view
+const kKept = ["select", "watch", "at", "collapsed", "values", "span"];  // the parameters that stay when the user opens another view
 
 export function currentRoute() {
   const match = location.hash.match(/^#\/([a-z]+)(?:\?(.*))?$/);

@@ -1,5 +1,5 @@
-// The strip of time below the view: the faults, losses, commands and deployments of the last hour, as marks by severity. A mark for several
-// events shows their number. A click on an instant moves the faults and the values to this time.
+// The strip of time below the view: the faults, losses, commands and deployments of the last hour or 10 minutes, as marks by severity. A mark
+// for several events shows their number. A click on an instant moves the faults and the values to this time.
 
 import { nameOf, sentenceOf } from "./alarms.js";
 import { Canvas } from "./canvas.js";
@@ -10,8 +10,8 @@ import { alter, currentRoute, go } from "./route.js";
 import { colour } from "./theme.js";
 import { clock, instant, several } from "./words.js";
 
-const kSpan_ms = 3600000;
-const kTick_ms = 600000;
+const kHour_ms = 3600000, kShort_ms = 600000;
+const kTicks = new Map([[kHour_ms, 600000], [kShort_ms, 120000]]);
 const kStep_ms = 60000;
 const kNear = 8;         // pixels from a mark at which the pointer selects the mark
 const kMark = 10;        // width of a mark and the space beside it, in pixels
@@ -32,11 +32,12 @@ export class Strip {
     this.#store = store;
     this.canvas = new Canvas((context, width, height) => this.#draw(context, width, height), {
       class: "marks", tabindex: "0", role: "slider", "aria-label": "instant that the page shows; the arrow keys move from event to event, Page Up and Page Down by a minute, End shows now",
-      "aria-valuemin": 0, "aria-valuemax": kSpan_ms / 1000,
+      "aria-valuemin": 0,
     });
     this.caption = element("p", { class: "caption small", role: "status" });
-    this.live = element("button", { type: "button", text: "live", title: "show the present again", on: { click: () => this.#choose(null) } });
-    place.append(element("span", { class: "faint small", text: "last hour" }), this.canvas.element, this.live, this.caption);
+    this.live = element("button", { type: "button", class: "live", text: "live", title: "show the present again", on: { click: () => this.#choose(null) } });
+    this.span = element("button", { type: "button", class: "span", on: { click: () => alter({ span: this.#span === kHour_ms ? "10min" : null }) } });
+    place.append(this.span, this.canvas.element, this.live, this.caption);
     this.canvas.element.addEventListener("pointermove", (event) => this.#point(event));
     this.canvas.element.addEventListener("pointerleave", () => this.#point(null));
     this.canvas.element.addEventListener("click", (event) => this.#click(event));
@@ -51,8 +52,21 @@ export class Strip {
     if (changes.faults || changes.measures || changes.cell) this.#showAll();
   }
 
+  get #span() {
+    return currentRoute().parameters.get("span") === "10min" ? kShort_ms : kHour_ms;
+  }
+
+  /// The events in the span that the strip shows.
+  get #inSpan() {
+    return this.#events.filter(({ time_ms }) => time_ms > this.#store.now - this.#span);
+  }
+
   #showAll() {
     this.#collect();
+    const hour = this.#span === kHour_ms;
+    setText(this.span, hour ? "last hour" : "last 10 min");
+    setAttribute(this.span, "title", hour ? "show the last 10 minutes" : "show the last hour");
+    setAttribute(this.canvas.element, "aria-valuemax", this.#span / 1000);
     setAttribute(this.live, "aria-pressed", String(shownInstant() === null));
     this.canvas.redraw();
     this.#say();
@@ -71,15 +85,15 @@ export class Strip {
       this.#events.push(event);
     }
     if (!ordered) this.#events.sort((a, b) => a.time_ms - b.time_ms);
-    const first = this.#events.findIndex(({ time_ms }) => time_ms > now - kSpan_ms);
+    const first = this.#events.findIndex(({ time_ms }) => time_ms > now - kHour_ms);
     this.#events.splice(0, first < 0 ? this.#events.length : first);
   }
 
   #x(time) {
-    return (1 - (this.#store.now - time) / kSpan_ms) * this.#width;
+    return (1 - (this.#store.now - time) / this.#span) * this.#width;
   }
 
-  /// The width of an hour.
+  /// The width of the span.
   get #width() {
     return this.canvas.element.clientWidth - kRight;
   }
@@ -88,9 +102,9 @@ export class Strip {
   #group() {
     const last = {};
     this.#groups = [];
-    const width = this.#width / kSpan_ms;
-    const left = this.#store.now - kSpan_ms;
-    for (const event of this.#events) {
+    const width = this.#width / this.#span;
+    const left = this.#store.now - this.#span;
+    for (const event of this.#inSpan) {
       const x = (event.time_ms - left) * width;
       const group = last[event.severity];
       if (group && x < group.x + group.width) {
@@ -116,7 +130,7 @@ export class Strip {
   #click(event) {
     const [at, near, x] = [shownInstant(), this.#near(event)?.time_ms, event.offsetX];
     const again = at !== null && (near === at || Math.abs(this.#x(at) - x) <= kNear / 2);
-    this.#choose(again ? null : near ?? Math.round(this.#store.now - Math.max(0, 1 - x / this.#width) * kSpan_ms));
+    this.#choose(again ? null : near ?? Math.round(this.#store.now - Math.max(0, 1 - x / this.#width) * this.#span));
   }
 
   focus() {
@@ -126,9 +140,9 @@ export class Strip {
   #press(event) {
     const at = shownInstant();
     const now = this.#store.now;
-    const times = this.#events.map(({ time_ms }) => time_ms);
+    const times = this.#inSpan.map(({ time_ms }) => time_ms);
     const next = { ArrowLeft: () => times.findLast((time) => at === null || time < at), ArrowRight: () => times.find((time) => at !== null && time > at),
-      PageUp: () => Math.max(now - kSpan_ms, Math.round((at ?? now) - kStep_ms)), PageDown: () => (at !== null && at + kStep_ms < now ? at + kStep_ms : null),
+      PageUp: () => Math.max(now - this.#span, Math.round((at ?? now) - kStep_ms)), PageDown: () => (at !== null && at + kStep_ms < now ? at + kStep_ms : null),
       Home: () => times[0], End: () => null }[event.key];
     if (!next || event.altKey || event.ctrlKey || event.metaKey) return;
     event.preventDefault();
@@ -156,24 +170,26 @@ export class Strip {
     const pointed = this.#pointer === null ? undefined : this.#near(this.#pointer);
     const event = pointed ?? this.#events.findLast(({ time_ms }) => time_ms === at);
     const others = pointed ? this.#groupAt(this.#pointer).events.length - 1 : 0;
-    const kept = this.#store.faultsSince > this.#store.now - kSpan_ms ? `; some from before ${clock(this.#store.faultsSince)} are missing` : "";
-    const all = kLanes.map((name) => [name, this.#events.reduce((n, { severity }) => n + (severity === name), 0)]).filter(([, n]) => n > 0);
+    const kept = this.#store.faultsSince > this.#store.now - this.#span ? `; some from before ${clock(this.#store.faultsSince)} are missing` : "";
+    const shown = this.#inSpan;
+    const all = kLanes.map((name) => [name, shown.reduce((n, { severity }) => n + (severity === name), 0)]).filter(([, n]) => n > 0);
     const text = event ? said(event) + (others > 0 ? `; ${several(others, "more event")} here` : "")
       : at !== null ? `at ${instant(at)}` : `${all.map(([name, n]) => several(n, name)).join(", ") || "no events"}${kept}`;
     const present = at !== null && !kViews.includes(currentRoute().view) ? "; this view shows the present" : "";
     setText(this.caption, text + present);
     setAttribute(this.caption, "data-look", event ? lookOfSeverity(event.severity).look : "faint");
-    setAttribute(this.canvas.element, "aria-valuenow", at === null ? 0 : Math.round(Math.min(this.#store.now - at, kSpan_ms) / 1000));
+    setAttribute(this.canvas.element, "aria-valuenow", at === null ? 0 : Math.round(Math.min(this.#store.now - at, this.#span) / 1000));
     setAttribute(this.canvas.element, "aria-valuetext", at === null ? `now; ${text}` : text);
   }
 
   #draw(context, width, height) {
-    const from = this.#store.now - kSpan_ms;
+    const from = this.#store.now - this.#span;
+    const tick = kTicks.get(this.#span);
     const lanes = kLane * kLanes.length;
     context.fillStyle = colour("odd");
     if (this.#store.faultsSince > from) context.fillRect(0, 0, this.#x(this.#store.faultsSince), lanes);
     context.font = '11px system-ui, "DejaVu Sans", sans-serif';
-    for (let time = Math.ceil(from / kTick_ms) * kTick_ms; time < from + kSpan_ms; time += kTick_ms) {
+    for (let time = Math.ceil(from / tick) * tick; time < from + this.#span; time += tick) {
       context.fillStyle = colour("grid");
       context.fillRect(Math.round(this.#x(time)), 0, 1, height);
       context.fillStyle = colour("faint");
