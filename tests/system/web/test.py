@@ -743,6 +743,10 @@ class Web(takt_system.Case):
         ActionChains(page.driver).move_to_element_with_offset(marks, *map(round, place)).click().perform()
         wait_until(lambda: at() == 0, "the present")
         self.assertEqual("false", page.attribute(".tools button", "aria-pressed"))
+        page.go("#/plots?series=robot.source.out.number&at=1000")
+        page.wait_for(".tools [role=status]", r"^no values of robot\.source\.out\.number before [\d:.]+$")
+        page.click("#strip .live")
+        wait_until(lambda: page.text(".tools [role=status]") == "", "values of the present")
 
         # The strip says which time has no events, and shows many events at one place as one mark with their number.
         self.assertEqual(["20000 warnings, 1 note", "; some from before", "overrun: late; 19999 more events here", 2, "last 10 min: no events"], page.wait_script("""
@@ -906,6 +910,37 @@ class Web(takt_system.Case):
               done([address, said, view.body.querySelector(".what").textContent]);
             }).catch((error) => done(String(error)));""")
         self.assertEqual(["#/faults?text=old&select=robot.one", "2000 events; paused, 1 new", "overrun: its clock is behind"], found)
+        web.signal(signal.SIGTERM)
+        self.assertEqual(0, web.wait().status, web.err)
+
+    def test_the_fault_list_of_the_web_page_joins_equal_faults(self):
+        web = self.serve()
+        page = self.look()
+        found = page.wait_script("""
+            Promise.all([import("/store.js"), import("/faults.js")]).then(async ([{Store}, {Faults}]) => {
+              const store = new Store();
+              const view = new Faults(store);
+              document.body.append(view.element);
+              const fault = (module, time_ms, more) => ({device: "robot", module, kind: "overrun", severity: "warning", cause: `at ${time_ms}`, time_ms, count: 1, ...more});
+              const note = (time_ms) => fault("one", time_ms, {kind: "command", severity: "note"});
+              store.takeFaults({whole: true, events: [fault("one", 1000), fault("two", 2000, {count: 3}), note(2500), note(2600), fault("one", 3000)]});
+              history.replaceState(null, "", "#/faults?severity=all");
+              view.show(new URLSearchParams("severity=all"));
+              const said = () => [...view.body.rows].map((row) => [row.cells[2].textContent, row.querySelector(".what").textContent.replace(/until .*/, "until T")]);
+              const single = said().length;
+              view.equal.click();
+              const joined = said();
+              const line = view.body.rows[3];
+              line.focus();
+              store.takeFaults({events: [fault("one", 4000)]});
+              view.update({faults: true});
+              const address = location.hash;
+              done([single, joined, said()[3], document.activeElement === line, address, said().length]);
+            }).catch((error) => done(String(error)));""")
+        self.assertEqual([5, [["robot.one", "command: at 2600"], ["robot.one", "command: at 2500"], ["robot.two", "overrun: at 20003 times until T"],
+                              ["robot.one", "overrun: at 30002 times until T"]],
+                          ["robot.one", "overrun: at 40003 times until T"], True, "#/faults?severity=all&group=on", 4], found)
+        self.assertEqual([], page.errors())
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait().status, web.err)
 

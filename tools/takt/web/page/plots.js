@@ -6,7 +6,7 @@ import { Plot, sampleOf } from "./plot.js";
 import { csvOf, download, pictureOf } from "./plot_export.js";
 import { portOf } from "./ports.js";
 import { adjust } from "./route.js";
-import { clock, digits, duration, listed } from "./words.js";
+import { clock, digits, duration, instant, listed } from "./words.js";
 
 const kSpans_s = [1, 10, 60, 300, 900, 3600, 14400];
 const kSpan_s = 300;
@@ -287,8 +287,13 @@ export class Plots {
     const to = this.#to;
     this.extremes = this.#plots.flatMap((plot) => plot.show(to - this.#span_ms, to));
     this.settled = this.#end !== null && this.#series.every(({ rows }) => rows.newest > this.#end);
-    if (this.#series.length > 0 && this.extremes.every(Boolean) && this.status.textContent.startsWith("waiting")) setText(this.status, "");
+    if (this.#series.length > 0 && /^(waiting|no values)/.test(this.status.textContent)) setText(this.status, this.extremes.every(Boolean) ? "" : this.#missing(to));
     this.#say();
+  }
+
+  #missing(to) {
+    const late = this.#series.find(({ rows }) => rows.oldest > to && rows.oldest < Infinity);
+    return late ? `no values of ${late.name} before ${instant(late.rows.oldest)}` : "waiting for values ...";
   }
 
   /// Shows the cursor, the mark, and the values there.
