@@ -935,11 +935,15 @@ class Web(takt_system.Case):
               store.takeFaults({events: [fault("one", 4000)]});
               view.update({faults: true});
               const address = location.hash;
-              done([single, joined, said()[3], document.activeElement === line, address, said().length]);
+              const count = said().length;
+              store.takeFaults({whole: true, events: [fault("one", 5000, {cause: "left"}), fault("one", 6000, {cause: "right"})]});
+              const only = (text) => (view.show(new URLSearchParams(`group=on&text=${text}`)), said()[0][1]);
+              done([single, joined, said()[3], document.activeElement === line, address, count, only("left"), only("right")]);
             }).catch((error) => done(String(error)));""")
         self.assertEqual([5, [["robot.one", "command: at 2600"], ["robot.one", "command: at 2500"], ["robot.two", "overrun: at 20003 times until T"],
                               ["robot.one", "overrun: at 30002 times until T"]],
-                          ["robot.one", "overrun: at 40003 times until T"], True, "#/faults?severity=all&group=on", 4], found)
+                          ["robot.one", "overrun: at 40003 times until T"], True, "#/faults?severity=all&group=on", 4,
+                          "overrun: left", "overrun: right"], found)
         self.assertEqual([], page.errors())
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait().status, web.err)

@@ -137,14 +137,15 @@ export class Faults {
 
   /// Returns the line of an event, or of several equal ones. `known` is the line that it had before.
   #line(event, known) {
-    if (known && (!event.key || known.dataset.times === String(event.times))) return known;
+    const joins = event.key ? [event.times, event.since_ms, event.time_ms].join(" ") : "";
+    if (known?.dataset.joins === joins) return known;
     const line = known ?? element("tr", { tabindex: "-1" });
     const mark = new Mark();
     mark.show(lookOfSeverity(event.severity));
     const cycle = event.kind.startsWith("log-") ? `release ${event.cycle}` : `after ${several(event.cycle, "cycle")}`;
     const more = [event.cycle ? cycle : "", event.attachment ? `see ${event.attachment}` : ""].filter(Boolean).join("; ");
     const link = (time_ms) => linkWith({ at: time_ms }, instant(time_ms), { title: "show this instant in all views" });
-    Object.assign(line.dataset, { kind: event.kind, severity: event.severity, times: event.times ?? 1 });
+    Object.assign(line.dataset, { kind: event.kind, severity: event.severity, joins });
     line.replaceChildren(
       element("td", { class: "time" }, link(event.since_ms ?? event.time_ms)), element("td", {}, mark.element),
       element("td", {}, linkTo(nameOf(event), nameOf(event))),
