@@ -632,10 +632,21 @@ ParticipantNumber sender_of(std::span<const std::uint8_t> message) noexcept {
 
 Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
   constexpr std::uint32_t kLease = 0x02;
+  constexpr std::uint32_t kName = 0x62;
+  constexpr std::uint32_t kIdentity = 0x1001;
   Announcement found;
   found.number = sender_of(message);
   const auto is_sender = [&](Cursor value) {
     return std::ranges::equal(value.bytes(found.number.size()), found.number);
+  };
+  const auto read_identity = [&](Cursor token) {
+    token.text();  // the class of the token
+    for (std::uint32_t n = token.u32(); n > 0 && token.ok(); --n) {
+      const std::string_view property = token.text();
+      const std::string_view value = token.text();
+      if (property == "dds.cert.sn") found.subject = value;
+      if (property == "dds.ca.sn") found.authority = value;
+    }
   };
   const auto is_announcer = [](std::uint32_t writer) { return writer == kParticipants; };
   for_each_list(message, is_announcer, [&](Cursor list) {
@@ -644,6 +655,8 @@ Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
       if (parameter == kParticipantGuid || parameter == kKeyHash)
         from_itself = from_itself && is_sender(value);
       if (parameter == kLease) found.lease_s = value.u32();
+      if ((parameter & ~kMustUnderstand) == kName) found.name = value.text();
+      if ((parameter & ~kMustUnderstand) == kIdentity) read_identity(value);
     });
     const bool again = found.of != Announcement::Of::nobody;
     found.of = from_itself && !again ? Announcement::Of::sender : Announcement::Of::other;

@@ -24,8 +24,8 @@ bool are_given(const Fields&... fields) noexcept {
   return ((fields.size() > 0) && ...);
 }
 
-template <std::size_t N>
-void clean(eprosima::fastrtps::fixed_string<N>& field) noexcept {
+template <template <std::size_t> class FixedString, std::size_t N>
+void clean(FixedString<N>& field) noexcept {
   std::array<char, N + 1> text{};
   const std::size_t size = std::min(field.size(), N);
   std::memcpy(text.data(), field.c_str(), size);

@@ -591,6 +591,30 @@ TEST(Announcement, MustComeFromTheAnnouncedParticipant) {
   EXPECT_EQ(announcement_in(message(0x15, 4, data_head().zeros(4))).of, Of::nobody);
 }
 
+TEST(Announcement, ContainsTheNameAndTheIdentityOfTheParticipant) {
+  const Body identity = Body{}
+                            .text("DDS:Auth:PKI-DH:1.0")
+                            .u32(3)
+                            .text("dds.cert.sn")
+                            .text("/O=cell/OU=device/CN=robot")
+                            .text("dds.cert.algo")
+                            .text("EC-prime256v1")
+                            .text("dds.ca.sn")
+                            .text("/O=cell/CN=authority")
+                            .u32(0);
+  const Body name = parameter(0x62, Body{}.text("robot"));
+  const Bytes named = announcement(Body{kSelf}.add(name).add(parameter(0x1001, identity)));
+  const Announcement one = announcement_in(named);
+  EXPECT_EQ(one.name, "robot");
+  EXPECT_EQ(one.subject, "/O=cell/OU=device/CN=robot");
+  EXPECT_EQ(one.authority, "/O=cell/CN=authority");
+
+  const Bytes nameless = announcement(kSelf);
+  EXPECT_EQ(announcement_in(nameless).name, "");
+  EXPECT_EQ(announcement_in(nameless).subject, "");
+  EXPECT_EQ(announcement_in(nameless).authority, "");
+}
+
 // Fast DDS may add a participant even when it receives a message that says that the participant leaves. So
 // each message with participant data counts as an announcement.
 TEST(Announcement, MayAlsoSayThatItsParticipantLeaves) {

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 namespace takt::wire {
 
@@ -60,11 +61,16 @@ struct Announcement {
   Of of = Of::nobody;
   ParticipantNumber number{};   ///< the GUID prefix of the sender
   std::uint32_t lease_s = ~0U;  ///< in s; a participant that announces nothing for this time is lost
+  std::string_view name{};      ///< the name of the participant
+  /// The identity that the participant claims, such as "/O=cell/OU=device/CN=robot"; empty: none.
+  std::string_view subject{};
+  std::string_view authority{};  ///< who issued this identity
 };
 
 /// Returns which participant a message announces. Requires that is_protected_rtps() returned true for the
-/// message. `other` means that the message announces another participant than its sender, or several. Any
-/// thread may call this function; it does not allocate.
+/// message. `other` means that the message announces another participant than its sender, or several. The
+/// texts in the announcement are parts of the message. Any thread may call this function; it does not
+/// allocate.
 [[nodiscard]] Announcement announcement_in(std::span<const std::uint8_t> message) noexcept;
 
 }  // namespace takt::wire

@@ -34,8 +34,9 @@ namespace takt::wire {
 /// with "...".
 std::string cut(std::string_view text, std::size_t bytes);
 
-template <std::size_t N>
-void set(eprosima::fastrtps::fixed_string<N>& field, std::string_view text) {
+/// Sets a bounded string of the wire format. Its namespace depends on the version of the code generator.
+template <template <std::size_t> class FixedString, std::size_t N>
+void set(FixedString<N>& field, std::string_view text) {
   field = cut(text, N);
 }
 
