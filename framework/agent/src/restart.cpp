@@ -16,16 +16,17 @@ void Agent::keep_for_restart() {
   Kept kept;
   const auto add = [&](const Deployment* d) {
     if (d == nullptr || !d->transaction.complete || was_undeployed(d->id)) return;
-    (d->is_final() ? kept.current : kept.pending) = {.id = d->id,
-                                                     .transaction = d->transaction.id,
-                                                     .file = d->file,
-                                                     .text = d->text,
-                                                     .require_real_time = d->require_real_time,
-                                                     .t0_ns = d->t0_ns,
-                                                     .boot = options_.boot,
-                                                     .t0_monotonic_ns = d->t0 ? to_ns(*d->t0) : 0,
-                                                     .safe = d->safe,
-                                                     .devices = d->transaction.devices};
+    (d->is_final() ? kept.current : kept.pending) =
+        KeptDeployment{.id = d->id,
+                       .transaction = d->transaction.id,
+                       .file = d->file,
+                       .text = d->text,
+                       .require_real_time = d->require_real_time,
+                       .t0_ns = d->t0_ns,
+                       .boot = options_.boot,
+                       .t0_monotonic_ns = d->t0 ? to_ns(*d->t0) : 0,
+                       .safe = d->safe,
+                       .devices = d->transaction.devices};
   };
   add(update_ ? update_->before() : deployment_.get());
   add(update_ ? &update_->after() : gone_.get());

@@ -29,12 +29,12 @@ inline dds::Flow flow(const std::string& topic, dds::Quality quality = {}) {
 
 /// Encodes a sample with `data` bytes of data in XCDR1, little endian.
 inline std::vector<std::byte> bytes_of(std::uint64_t number, std::int64_t value = 0, std::uint32_t data = 0) {
-  std::vector<std::byte> bytes(24 + data);
+  std::vector<std::byte> bytes(24);
   bytes[1] = std::byte{1};
   std::memcpy(bytes.data() + 4, &number, 8);
   std::memcpy(bytes.data() + 12, &value, 8);
   std::memcpy(bytes.data() + 20, &data, 4);
-  for (std::uint32_t i = 0; i < data; ++i) bytes[24 + i] = static_cast<std::byte>(number + i);
+  for (std::uint32_t i = 0; i < data; ++i) bytes.push_back(static_cast<std::byte>(number + i));
   return bytes;
 }
 

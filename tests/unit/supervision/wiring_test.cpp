@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string_view>
 
 #include <takt/channel/release_slot.hpp>
 
@@ -54,7 +55,7 @@ class PlannedWiring : public testing::Test {
                  [](const PlannedLink& l) { return l.from.module && l.to.module; });
     return links;
   }
-  static const PlannedFlow& flow(const WiringPlan& plan, const std::string& topic) {
+  static const PlannedFlow& flow(const WiringPlan& plan, std::string_view topic) {
     static const PlannedFlow none{};
     const auto found = std::find_if(plan.flows.begin(), plan.flows.end(),
                                     [&](const PlannedFlow& f) { return f.topic == topic; });

@@ -110,12 +110,24 @@ class Library final : public httplib::Server {
   void answer(Client& client) {
     ClientStream stream{client};
     bool closed = false;
-    process_request(stream, true, closed, nullptr);
+    // Some versions of the library also want the addresses of both ends.
+    const auto process = [&](auto& library) {
+      if constexpr (requires { library.process_request(stream, true, closed, nullptr); })
+        library.process_request(stream, true, closed, nullptr);
+      else
+        library.process_request(stream, client.connection.peer(), 0, "", 0, true, closed, nullptr);
+    };
+    process(*this);
   }
 
  private:
   struct OnThisThread final : httplib::TaskQueue {
-    void enqueue(std::function<void()> task) override { task(); }
+    // In some versions of the library, returns true if the task was accepted.
+    using Accepted = decltype(std::declval<httplib::TaskQueue&>().enqueue({}));
+    Accepted enqueue(std::function<void()> task) override {
+      task();
+      return Accepted(true);
+    }
     void shutdown() override {}
   };
   bool process_and_close_socket(socket_t socket) override {
