@@ -6,12 +6,22 @@
 # - Without -replace, fastddsgen keeps an older output.
 # - fastddsgen runs in the folder of the files, because it copies the given path of an included file into #include.
 #
-# The target takt_fastdds is Fast DDS. Packages, targets and generated files have other names in other versions of Fast DDS and fastddsgen, so no
-# other CMake file names them.
+# The target takt_fastdds is Fast DDS, and TAKT_FASTDDS is its major version. Packages, targets and generated files have other names in other
+# versions of Fast DDS and fastddsgen, so no other CMake file names them.
 
-find_package(fastrtps REQUIRED)  # finds fastcdr, too
 add_library(takt_fastdds INTERFACE)
-target_link_libraries(takt_fastdds INTERFACE fastrtps)
+find_package(fastdds 3 QUIET)  # finds fastcdr, too
+if(fastdds_FOUND)
+  set(TAKT_FASTDDS 3 CACHE INTERNAL "the major version of Fast DDS")
+  target_link_libraries(takt_fastdds INTERFACE fastdds)
+  # Fast DDS brings this target, whose definitions change nothing on Linux, but prevent sharing precompiled headers with other targets.
+  set_target_properties(tinyxml2::tinyxml2 PROPERTIES INTERFACE_COMPILE_DEFINITIONS "")
+else()
+  set(TAKT_FASTDDS 2 CACHE INTERNAL "the major version of Fast DDS")
+  find_package(fastrtps 2.9 REQUIRED)
+  target_link_libraries(takt_fastdds INTERFACE fastrtps)
+endif()
+target_compile_definitions(takt_fastdds INTERFACE TAKT_FASTDDS=${TAKT_FASTDDS})  # for dds/src/fast_dds.hpp
 find_program(FASTDDSGEN fastddsgen REQUIRED)
 
 function(takt_generate out)
@@ -38,11 +48,17 @@ function(takt_generate out)
   file(MAKE_DIRECTORY ${ARG_DIRECTORY})
   string(MD5 scratch "${ARG_DIRECTORY}")
   set(scratch ${CMAKE_BINARY_DIR}/idl/${scratch})
+  if(TAKT_FASTDDS EQUAL 2)
+    set(generate ${FASTDDSGEN} -replace -cs -t ${scratch} -d ${ARG_DIRECTORY} ${names})
+  else()
+    set(generate ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/fastddsgen4.sh ${FASTDDSGEN} ${scratch} ${ARG_DIRECTORY} ${names})
+    list(APPEND files ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/fastddsgen4.sh)
+  endif()
   add_custom_command(OUTPUT ${outputs}
     COMMAND ${CMAKE_COMMAND} -E make_directory ${scratch}
     # The output is long, so it is shown only on failure.
     COMMAND sh -c "\"$@\" >'${scratch}/log' 2>&1 || { cat '${scratch}/log' >&2; exit 1; }" sh
-            ${FASTDDSGEN} -replace -cs -t ${scratch} -d ${ARG_DIRECTORY} ${names}
+            ${generate}
     DEPENDS ${files} WORKING_DIRECTORY ${folders} VERBATIM COMMENT "fastddsgen ${names}")
   set(${out} ${outputs} PARENT_SCOPE)
 endfunction()

@@ -10,32 +10,24 @@
 #include <string_view>
 #include <utility>
 
-#include <fastcdr/Cdr.h>
-
 #include <takt/core/check.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/wire/assembly.hpp>
 #include <takt/wire/validation.hpp>
 
 #include "bytes.hpp"
+#include "tests/cdr.hpp"
 #include "tests/unit/agent/fake_device.hpp"
 
 namespace {
 
 using namespace takt;
-using eprosima::fastcdr::Cdr;
-using eprosima::fastcdr::FastBuffer;
-
 /// Decodes a sample as the generated type support and dds/checked_type.hpp do. Returns false if the bytes are
 /// invalid.
 template <class T>
 bool decode(std::string_view bytes, T& value) {
-  std::string copy{bytes};
-  FastBuffer buffer{copy.data(), copy.size()};
-  Cdr cdr{buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR};
   try {
-    cdr.read_encapsulation();
-    value.deserialize(cdr);
+    cdr::decode(bytes, value);
     return true;
   } catch (...) {
     return false;
@@ -44,12 +36,9 @@ bool decode(std::string_view bytes, T& value) {
 
 template <class T>
 void check_same_again(const T& value) {
-  FastBuffer buffer;
-  Cdr cdr{buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR};
-  cdr.serialize_encapsulation();
-  value.serialize(cdr);
+  const auto bytes = cdr::encoded(value, eprosima::fastcdr::Cdr::DEFAULT_ENDIAN);
   T again;
-  TAKT_CHECK(decode({buffer.getBuffer(), cdr.getSerializedDataLength()}, again) && again == value);
+  TAKT_CHECK(decode({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, again) && again == value);
 }
 
 /// Decodes and validates a sample. Returns false if the sample is invalid.

@@ -259,8 +259,8 @@ Octets sample_of(std::uint64_t number, std::uint32_t size) {
 template <class Generated, class T>
 Octets encoded(T value) {
   Generated type;
-  rtps::SerializedPayload_t payload{type.m_typeSize};
-  TAKT_CHECK(type.serialize(&value, &payload));
+  rtps::SerializedPayload_t payload{dds::max_size_of(type)};
+  TAKT_CHECK(dds::encode_sample(type, &value, payload));
   return {payload.data, payload.data + payload.length};
 }
 

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-
 #include <takt/core/words.hpp>
 
 namespace takt::dds {
@@ -15,13 +14,6 @@ namespace takt::dds {
 namespace {
 
 constexpr std::size_t kMostSeen = 4096;
-
-std::string printed_address_of(const rtps::ParticipantProxyData& data) {
-  for (const rtps::Locator_t& locator : data.metatraffic_locators.unicast) {
-    if (locator.kind == LOCATOR_KIND_UDPv4) return rtps::IPLocator::toIPv4string(locator);
-  }
-  return {};
-}
 
 wire::ParticipantNumber number_in(const rtps::GuidPrefix_t& prefix) {
   wire::ParticipantNumber number{};
@@ -40,6 +32,21 @@ std::optional<security::Subject> announced_subject(std::string_view text) {
   };
   return security::subject_from("CN=" + std::string{part("/CN=")} + ",OU=" + std::string{part("/OU=")} +
                                 ",O=" + std::string{part("/O=")});
+}
+
+std::map<wire::ParticipantNumber, std::string> KnownParticipants::names() const {
+  const std::lock_guard lock{names_mutex_};
+  return names_;
+}
+
+void KnownParticipants::found(const rtps::GuidPrefix_t& participant, const std::string& name) {
+  const std::lock_guard lock{names_mutex_};
+  names_[number_in(participant)] = name;
+}
+
+void KnownParticipants::lost(const rtps::GuidPrefix_t& participant) {
+  const std::lock_guard lock{names_mutex_};
+  names_.erase(number_in(participant));
 }
 
 bool DiscoveryListener::is_device(const rtps::GUID_t& writer, const std::string& device) {
@@ -137,30 +144,36 @@ std::string DiscoveryListener::rejection_of(const std::string& device) {
   return found == rejections_.end() ? std::string{} : found->second;
 }
 
-void DiscoveryListener::on_participant_discovery(fast::DomainParticipant*,
-                                                 rtps::ParticipantDiscoveryInfo&& info) {
-  using Info = rtps::ParticipantDiscoveryInfo;
-  const rtps::ParticipantProxyData& data = info.info;
-  std::unique_lock lock{mutex_};
-  if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
-    seen_.erase(data.m_guid.guidPrefix);
-    certificates_.erase(data.m_guid.guidPrefix);
-    filter_.unauthenticated.left(number_in(data.m_guid.guidPrefix));
-    return;
-  }
-  if (seen_.size() >= kMostSeen) seen_.clear();
-  Seen& seen = seen_[data.m_guid.guidPrefix];
-  seen.name = data.m_participantName.to_string();
-  seen.address = printed_address_of(data);
-  for (const auto& property : data.identity_token_.properties()) {
-    if (property.name() == "dds.cert.sn") seen.subject = property.value();
-    if (property.name() == "dds.ca.sn") seen.authority = property.value();
+void DiscoveryListener::announced(const wire::Announcement& announcement, const os::Ipv4& from) {
+  rtps::GuidPrefix_t prefix;
+  std::copy(announcement.number.begin(), announcement.number.end(), std::begin(prefix.value));
+  {
+    const std::lock_guard lock{mutex_};
+    // Anybody can announce something in the name of a participant that has authenticated.
+    if (certificates_.contains(prefix)) return;
+    if (const auto found = seen_.find(prefix); found != seen_.end()) {
+      const Seen& seen = found->second;
+      if (seen.name == announcement.name && seen.subject == announcement.subject &&
+          seen.authority == announcement.authority)
+        return;
+    }
+    if (seen_.size() >= kMostSeen) seen_.clear();
+    seen_[prefix] = {.name = std::string{announcement.name},
+                     .address = os::in_dots(from),
+                     .subject = std::string{announcement.subject},
+                     .authority = std::string{announcement.authority}};
   }
   // Report a participant whose identity another authority has issued. If such a participant starts the
   // authentication and rejects this process, Fast DDS reports nothing, or reports it only after 14 s.
-  const bool foreign = !seen.authority.empty() && seen.authority != mine_.authority;
-  lock.unlock();
-  if (foreign) report_rejected(data.m_guid.guidPrefix);
+  if (!announcement.authority.empty() && announcement.authority != mine_.authority) report_rejected(prefix);
+}
+
+void DiscoveryListener::lost(const rtps::GuidPrefix_t& participant) {
+  KnownParticipants::lost(participant);
+  const std::lock_guard lock{mutex_};
+  seen_.erase(participant);
+  certificates_.erase(participant);
+  filter_.unauthenticated.left(number_in(participant));
 }
 
 void DiscoveryListener::report_rejected(const rtps::GuidPrefix_t& prefix) {
@@ -176,12 +189,11 @@ void DiscoveryListener::report_rejected(const rtps::GuidPrefix_t& prefix) {
             : ": its identity was revoked, has expired, or belongs to another participant"));
 }
 
-void DiscoveryListener::onParticipantAuthentication(fast::DomainParticipant*,
-                                                    rtps::ParticipantAuthenticationInfo&& info) {
-  if (info.status == rtps::ParticipantAuthenticationInfo::UNAUTHORIZED_PARTICIPANT)
-    report_rejected(info.guid.guidPrefix);
+void DiscoveryListener::authenticated(const rtps::GuidPrefix_t& participant, bool accepted) {
+  if (accepted)
+    filter_.unauthenticated.authenticated(number_in(participant));
   else
-    filter_.unauthenticated.authenticated(number_in(info.guid.guidPrefix));
+    report_rejected(participant);
 }
 
 bool DiscoveryListener::look(const std::string& message) {

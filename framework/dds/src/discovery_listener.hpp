@@ -1,5 +1,5 @@
-// Observes the participants that join a cell with DDS Security, and reports each rejected participant and the
-// reason. Only the source files of this room include this header.
+// Observes the participants that join and leave. In a cell with DDS Security, also reports each rejected
+// participant and the reason. Only the source files of this room include this header.
 #pragma once
 
 #include <map>
@@ -7,8 +7,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-
-#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 
 #include <takt/security/identity.hpp>
 #include <takt/security/revocations.hpp>
@@ -22,7 +20,24 @@ namespace takt::dds {
 /// std::nullopt if the text does not have this form.
 std::optional<security::Subject> announced_subject(std::string_view text);
 
-class DiscoveryListener final : public fast::DomainParticipantListener {
+/// Knows the participants that this one has found and not lost. Any thread may call its functions.
+class KnownParticipants : public ParticipantListener {
+ public:
+  /// Returns the name of each participant, without this one.
+  [[nodiscard]] std::map<wire::ParticipantNumber, std::string> names() const;
+
+ protected:
+  void lost(const rtps::GuidPrefix_t& participant) override;
+
+ private:
+  void found(const rtps::GuidPrefix_t& participant, const std::string& name) final;
+  void authenticated(const rtps::GuidPrefix_t&, bool) override {}
+
+  mutable std::mutex names_mutex_;
+  std::map<wire::ParticipantNumber, std::string> names_;
+};
+
+class DiscoveryListener final : public KnownParticipants {
  public:
   /// `notices` and `filter` must outlive this object.
   DiscoveryListener(security::Identity mine, wire::Notices& notices, PacketFilter& filter)
@@ -46,6 +61,8 @@ class DiscoveryListener final : public fast::DomainParticipantListener {
   [[nodiscard]] std::string who(const rtps::GuidPrefix_t& prefix);
   void tell(const std::string& text) { notices_.tell(text); }
 
+  /// Notes what a participant announces of itself, and where its announcement comes from.
+  void announced(const wire::Announcement& announcement, const os::Ipv4& from);
   /// Notes the certificate of a participant that has authenticated. Rejects the participant if the
   /// certificate was revoked since this process began.
   void certified(const rtps::GuidPrefix_t& participant, const x509_st& certificate);
@@ -62,7 +79,7 @@ class DiscoveryListener final : public fast::DomainParticipantListener {
   };
   struct Seen {
     std::string name;
-    std::string address;
+    std::string address;  // where its first announcement came from
     std::string subject;  // the identity that the participant announces
     std::string authority;
   };
@@ -71,9 +88,8 @@ class DiscoveryListener final : public fast::DomainParticipantListener {
   [[nodiscard]] std::string invalidity(const security::Certified& certificate, std::int64_t now) const;
   void reject_invalid(std::int64_t now);
   void report_rejected(const rtps::GuidPrefix_t& prefix);
-  void on_participant_discovery(fast::DomainParticipant*, rtps::ParticipantDiscoveryInfo&& info) override;
-  void onParticipantAuthentication(fast::DomainParticipant*,
-                                   rtps::ParticipantAuthenticationInfo&& info) override;
+  void lost(const rtps::GuidPrefix_t& participant) override;
+  void authenticated(const rtps::GuidPrefix_t& participant, bool accepted) override;
 
   security::Identity mine_;
   wire::Notices& notices_;

@@ -23,6 +23,7 @@
 namespace takt::dds {
 
 class DiscoveryListener;
+class KnownParticipants;
 
 /// Where writers send the samples for a reader.
 enum class Receives {
@@ -33,13 +34,14 @@ enum class Receives {
 /// The one participant of the process, with its topics. Thread-safe.
 class OwnParticipant final : public Participant {
  public:
-  /// `listener` must be null if DDS Security is off. `must_rejoin`: others do not follow this participant to
-  /// a new address unless it leaves and joins again.
+  /// `others` listens for the participant; with DDS Security, it is the `secured` one. `must_rejoin`: others
+  /// do not follow this participant to a new address unless it leaves and joins again.
   OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
                  fast::Subscriber* subscriber, std::unique_ptr<wire::Notices> notices,
-                 std::unique_ptr<wire::Notices> unreached, std::unique_ptr<DiscoveryListener> listener,
-                 const UdpTransportDescriptor& transport, std::shared_ptr<HostNames> names,
-                 os::InterfaceNews news, os::Notice ending, bool must_rejoin);
+                 std::unique_ptr<wire::Notices> unreached, std::unique_ptr<KnownParticipants> others,
+                 DiscoveryListener* secured, const UdpTransportDescriptor& transport,
+                 std::shared_ptr<HostNames> names, os::InterfaceNews news, os::Notice ending,
+                 bool must_rejoin);
   ~OwnParticipant() override;
   [[nodiscard]] const std::optional<security::Identity>& identity() const noexcept override {
     return identity_;
@@ -58,7 +60,7 @@ class OwnParticipant final : public Participant {
   /// Returns the object that reports rejected participants and packets.
   [[nodiscard]] wire::Notices& notices() noexcept { return *notices_; }
   /// Returns the listener for found and lost participants; null if DDS Security is off.
-  [[nodiscard]] DiscoveryListener* discovery_listener() noexcept { return discovery_listener_.get(); }
+  [[nodiscard]] DiscoveryListener* discovery_listener() noexcept { return discovery_listener_; }
 
   /// Returns the topic of this name, and creates it if necessary. Fails if this process already uses the
   /// topic with another type, or another type with the same name.
@@ -103,7 +105,8 @@ class OwnParticipant final : public Participant {
   };
   std::unique_ptr<wire::Notices> notices_;
   std::unique_ptr<wire::Notices> unreached_;
-  std::unique_ptr<DiscoveryListener> discovery_listener_;  // it is the participant's listener, too
+  std::unique_ptr<KnownParticipants> others_;  // the participant's listener
+  DiscoveryListener* discovery_listener_;      // the same, with DDS Security; null otherwise
   std::shared_ptr<Interfaces> interfaces_;
   std::shared_ptr<PacketFilter> filter_;
   std::shared_ptr<UdpChannels> channels_;

@@ -34,9 +34,12 @@ void PacketFilter::pass(std::span<std::uint8_t> packet, const Arrival& arrival,
     const wire::Announcement announcement = wire::announcement_in(packet);
     std::uint32_t address = 0;
     std::memcpy(&address, from.data(), sizeof address);
-    if (announcement.of != wire::Announcement::Of::nobody && !unauthenticated.admit(announcement, address))
-      return drop(from,
-                  "it announces an invalid participant, or there are too many unauthenticated participants");
+    if (announcement.of != wire::Announcement::Of::nobody) {
+      if (!unauthenticated.admit(announcement, address))
+        return drop(
+            from, "it announces an invalid participant, or there are too many unauthenticated participants");
+      if (look_) look_(announcement, from);
+    }
   }
   wire::skip_unused_parameters(packet);
   sender_of_this_packet = from;

@@ -13,6 +13,7 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <utility>
 
 #include <takt/core/time.hpp>
 #include <takt/os/network.hpp>
@@ -49,6 +50,12 @@ class PacketFilter {
            now == (here ? Silence::on_this_machine : Silence::on_other_machines);
   }
 
+  /// Lets `look` see each announcement that a participant makes of itself, with the address that it comes
+  /// from, before Fast DDS reads it. Anybody may have sent it. Only with DDS Security; call this function
+  /// before packets arrive.
+  void look_at_announcements(std::function<void(const wire::Announcement&, const os::Ipv4&)> look) {
+    look_ = std::move(look);
+  }
   /// From now on, drops every packet of this participant, also its announcements.
   void reject(const wire::ParticipantNumber& participant);
 
@@ -71,6 +78,7 @@ class PacketFilter {
 
   wire::Notices& notices_;
   const bool secured_;
+  std::function<void(const wire::Announcement&, const os::Ipv4&)> look_;
   mutable std::mutex mutex_;
   std::map<wire::ParticipantNumber, Instant> last_messages_;
   std::set<wire::ParticipantNumber> rejected_;  // a new process has another number, so none is removed

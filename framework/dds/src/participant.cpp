@@ -8,9 +8,6 @@
 #include <sstream>
 #include <utility>
 
-#include <fastrtps/xmlparser/XMLProfileManager.h>
-#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-
 #include <takt/core/check.hpp>
 #include <takt/core/words.hpp>
 #include <takt/model/validate.hpp>
@@ -119,18 +116,16 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
         for (const os::Ipv4& each : all ? interfaces.announced() : std::vector{*given})
           builtin.metatrafficUnicastLocatorList.push_back(locator(each, port));
       } else {
-        config.discoveryProtocol = rtps::DiscoveryProtocol::CLIENT;
-        rtps::RemoteServerAttributes server;
-        server.ReadguidPrefix(kServerPrefix);
+        rtps::GuidPrefix_t prefix;
+        std::istringstream{kServerPrefix} >> prefix;
         const os::Ipv4 address = names->add("discovery server", host);
-        server.metatrafficUnicastLocatorList.push_back(locator(address, port));
+        use_server(config, prefix, locator(address, port));
         if (HostNames::is_placeholder(address))
-          reach_server_at(NamedServer{.prefix = server.guidPrefix,
+          reach_server_at(NamedServer{.prefix = prefix,
                                       .locator = locator(address, port),
                                       .announced = [names, address](const std::vector<os::Ipv4>& addresses) {
                                         names->announced(address, addresses);
                                       }});
-        config.m_DiscoveryServers.push_back(server);
       }
       break;
     }
@@ -245,9 +240,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   defer_deletion_of_timers();
   keep_messages_short(!options.security.empty());
   log_to_standard_error();
-  eprosima::fastrtps::LibrarySettingsAttributes library;
-  library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
-  eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
+  turn_off_intraprocess_delivery();
 
   fast::DomainParticipantQos qos;
   qos.name(options.name.c_str());
@@ -268,16 +261,24 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(transport);
 
-  std::unique_ptr<DiscoveryListener> listener;
+  std::unique_ptr<KnownParticipants> others;
+  DiscoveryListener* secured = nullptr;
   if (!options.security.empty()) {
     auto identity = identity_for(options);
     if (!identity) return refuse(identity.problems());
     set_security(qos, *identity);
     drop_spent_tokens();
-    listener = std::make_unique<DiscoveryListener>(std::move(*identity), *notices, *filter);
-    look_at_certificates([to = listener.get()](const rtps::GuidPrefix_t& peer, const x509_st& certificate) {
-      to->certified(peer, certificate);
+    auto listener = std::make_unique<DiscoveryListener>(std::move(*identity), *notices, *filter);
+    secured = listener.get();
+    others = std::move(listener);
+    filter->look_at_announcements([secured](const wire::Announcement& announcement, const os::Ipv4& from) {
+      secured->announced(announcement, from);
     });
+    look_at_certificates([secured](const rtps::GuidPrefix_t& peer, const x509_st& certificate) {
+      secured->certified(peer, certificate);
+    });
+  } else {
+    others = std::make_unique<KnownParticipants>();
   }
 
   names->step(os::now());
@@ -287,7 +288,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   const os::ChangedEnvironment without_settings{{"FASTDDS_", "FASTRTPS_", "ROS"}, "SKIP_DEFAULT_XML_FILE=1"};
   auto* factory = fast::DomainParticipantFactory::get_instance();
   fast::DomainParticipant* made = factory->create_participant(static_cast<fast::DomainId_t>(options.domain),
-                                                              qos, listener.get(), fast::StatusMask::none());
+                                                              qos, others.get(), fast::StatusMask::none());
   if (made == nullptr) {
     return refuse({fail("DDS cannot be used on domain " + std::to_string(options.domain),
                         "see the message that DDS printed; the processes of this domain use UDP ports from " +
@@ -297,8 +298,8 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   fast::Publisher* publisher = made->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
   fast::Subscriber* subscriber = made->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
   std::shared_ptr<Participant> participant = std::make_shared<OwnParticipant>(
-      made, publisher, subscriber, std::move(notices), std::move(unreached), std::move(listener), *transport,
-      names, std::move(*news), std::move(*ending),
+      made, publisher, subscriber, std::move(notices), std::move(unreached), std::move(others), secured,
+      *transport, names, std::move(*news), std::move(*ending),
       !options.security.empty() || options.discovery.kind == model::Discovery::Kind::peers);
   if (publisher == nullptr || subscriber == nullptr)
     return fail("DDS could not create a publisher and a subscriber", "see the message that DDS printed");
@@ -308,12 +309,13 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
 OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
                                fast::Subscriber* subscriber, std::unique_ptr<wire::Notices> notices,
                                std::unique_ptr<wire::Notices> unreached,
-                               std::unique_ptr<DiscoveryListener> listener,
+                               std::unique_ptr<KnownParticipants> others, DiscoveryListener* secured,
                                const UdpTransportDescriptor& transport, std::shared_ptr<HostNames> names,
                                os::InterfaceNews news, os::Notice ending, bool must_rejoin)
     : notices_(std::move(notices)),
       unreached_(std::move(unreached)),
-      discovery_listener_(std::move(listener)),
+      others_(std::move(others)),
+      discovery_listener_(secured),
       interfaces_(transport.interfaces()),
       filter_(transport.filter()),
       channels_(transport.channels()),
@@ -326,9 +328,7 @@ OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publi
       must_rejoin_(must_rejoin) {
   if (discovery_listener_ != nullptr) {
     identity_ = discovery_listener_->mine();
-    look_at_log([listener = discovery_listener_.get()](const std::string& message) {
-      return listener->look(message);
-    });
+    look_at_log([secured](const std::string& message) { return secured->look(message); });
   }
   machine_ = std::jthread{[this](std::stop_token end) { follow_machine(std::move(end)); }};
 }
@@ -341,7 +341,7 @@ std::string OwnParticipant::obstacle(const std::string& device) const {
 
 std::vector<Participant::Announced> OwnParticipant::announced() const {
   std::vector<Announced> all;
-  for (const auto& [number, name] : found_participants()) {
+  for (const auto& [number, name] : others_->names()) {
     const auto last = filter_->last_message_of(number);
     all.push_back({name, last && os::now() - *last < kSendsMore});
   }
@@ -382,7 +382,7 @@ void OwnParticipant::follow_interfaces() {
   if (!addresses) return;
   const Interfaces::Change change = interfaces_->update(*addresses);
   if (!change.any) return;
-  announce_addresses(interfaces_->announced());
+  announce_addresses(*participant_, interfaces_->announced());
   announce_endpoints();
   interfaces_->settle();
   channels_->follow_interfaces();
@@ -419,7 +419,7 @@ Result<fast::Topic*> OwnParticipant::topic(const std::string& name, const fast::
   const fast::TopicDataType& decoder = *type;
   if (const auto found = types_.find(type_name);
       found != types_.end() &&
-      (found->second.size != type->m_typeSize || found->second.decoder != typeid(decoder))) {
+      (found->second.size != max_size_of(decoder) || found->second.decoder != typeid(decoder))) {
     return fail("there are two different types named '" + type_name + "' in this process",
                 "build all components with the same version of the type");
   }
@@ -433,7 +433,7 @@ Result<fast::Topic*> OwnParticipant::topic(const std::string& name, const fast::
   }
   Known& known = types_[type_name];
   if (known.topics == 0) {
-    known.size = type->m_typeSize;
+    known.size = max_size_of(decoder);
     known.decoder = typeid(decoder);
     participant_->register_type(type, type_name);
   }
@@ -473,7 +473,7 @@ fast::DataReader* OwnParticipant::make_reader(fast::Topic* topic, fast::DataRead
                                               const fast::StatusMask& mask, Receives receives) {
   if (receives == Receives::in_group && interfaces_->groups_reach_others()) {
     // With a group, a reader does not get the addresses of its participant unless they are given, too.
-    qos.endpoint().unicast_locator_list.push_back(locator({}, port_for_samples()));
+    qos.endpoint().unicast_locator_list.push_back(locator({}, channels_->port_for_samples()));
     qos.endpoint().multicast_locator_list.push_back(locator(kGroup, 0));  // RTPS assigns the port
   }
   const std::lock_guard lock{endpoints_};

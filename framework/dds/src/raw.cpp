@@ -4,8 +4,6 @@
 #include <cstring>
 #include <utility>
 
-#include <fastdds/rtps/common/Time_t.h>
-
 namespace takt::dds {
 
 namespace {
@@ -46,30 +44,17 @@ std::int32_t depth_of(const Quality& quality) {
 
 }  // namespace
 
-RawType::RawType(const std::string& name, std::size_t max_size, bool keyed) {
-  setName(name.c_str());
-  m_typeSize = static_cast<std::uint32_t>((max_size + 3) / 4 * 4);
-  m_isGetKeyDefined = keyed;
-  auto_fill_type_object(false);
-  auto_fill_type_information(false);
-}
-
-bool RawType::serialize(void* data, rtps::SerializedPayload_t* payload) {
+bool RawType::encode(const void* data, rtps::SerializedPayload_t& to) {
   const Bytes& bytes = *static_cast<const Bytes*>(data);
-  if (bytes.size < 4 || bytes.size > payload->max_size) return false;
-  std::memcpy(payload->data, bytes.data, bytes.size);
-  payload->length = static_cast<std::uint32_t>(bytes.size);
-  payload->encapsulation = bytes.data[1] == std::byte{0} ? CDR_BE : CDR_LE;
+  if (bytes.size < 4 || bytes.size > to.max_size) return false;
+  std::memcpy(to.data, bytes.data, bytes.size);
+  to.length = static_cast<std::uint32_t>(bytes.size);
+  to.encapsulation = bytes.data[1] == std::byte{0} ? CDR_BE : CDR_LE;
   return true;
 }
 
-bool RawType::deserialize(rtps::SerializedPayload_t* payload, void* data) {
-  static_cast<Taker*>(data)->take({reinterpret_cast<const std::byte*>(payload->data), payload->length});
-  return true;
-}
-
-std::function<std::uint32_t()> RawType::getSerializedSizeProvider(void* data) {
-  return [data] { return static_cast<std::uint32_t>(static_cast<const Bytes*>(data)->size); };
+void RawType::decode(const rtps::SerializedPayload_t& from, void* data) {
+  static_cast<Taker*>(data)->take({reinterpret_cast<const std::byte*>(from.data), from.length});
 }
 
 void Health::incompatible(fast::QosPolicyId_t policy) {

@@ -4,11 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
-
-#include <fastdds/dds/topic/TopicDataType.hpp>
 
 #include <takt/dds/gateway.hpp>
 #include <takt/model/type.hpp>
@@ -33,21 +30,18 @@ class Taker {
 
 /// A bounded type for samples as raw bytes. `max_size` is the size of the largest sample, including the
 /// encapsulation header.
-class RawType : public fast::TopicDataType {
+class RawType : public EncodedType {
  public:
-  RawType(const std::string& name, std::size_t max_size, bool keyed = false);
-  bool serialize(void* data, rtps::SerializedPayload_t* payload) override;
-  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override;
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override;
-  void* createData() override { return nullptr; }
-  void deleteData(void*) override {}
-  bool getKey(void* data, rtps::InstanceHandle_t* handle, bool) override {
-    if (m_isGetKeyDefined) *handle = key_of(*static_cast<const Bytes*>(data));
-    return m_isGetKeyDefined;
-  }
-  bool is_bounded() const override { return true; }
+  RawType(const std::string& name, std::size_t max_size, bool keyed = false)
+      : EncodedType(name, static_cast<std::uint32_t>((max_size + 3) / 4 * 4), keyed) {}
 
  private:
+  bool encode(const void* data, rtps::SerializedPayload_t& to) final;
+  void decode(const rtps::SerializedPayload_t& from, void* data) final;
+  std::uint32_t size_of(const void* data) final {
+    return static_cast<std::uint32_t>(static_cast<const Bytes*>(data)->size);
+  }
+  rtps::InstanceHandle_t key_of(const void* data) final { return key_of(*static_cast<const Bytes*>(data)); }
   /// Only a test has a type with a key.
   virtual rtps::InstanceHandle_t key_of(const Bytes&) { return {}; }
 };

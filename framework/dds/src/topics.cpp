@@ -199,7 +199,7 @@ bool Writer<T>::write(const T& sample) {
 template <class T>
 void Writer<T>::dispose(const T& sample) {
   T copy = sample;
-  const SentKey key{copy};
+  const SentKey key{copy.path().c_str()};
   inside_->writer->dispose(&copy, inside_->writer->lookup_instance(&copy));
   inside_->writer->unregister_instance(&copy, rtps::c_InstanceHandle_Unknown);
 }

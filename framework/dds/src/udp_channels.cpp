@@ -41,7 +41,13 @@ bool UdpChannels::open(const os::UdpOptions& options, std::size_t largest, Handl
   auto socket = os::UdpSocket::open(options);
   if (!socket) return false;
   channels_[options.port] = std::make_unique<Channel>(std::move(*socket), largest, std::move(handle));
+  if (!options.shared) last_own_port_ = options.port;
   return true;
+}
+
+std::uint16_t UdpChannels::port_for_samples() const {
+  const std::lock_guard lock{mutex_};
+  return last_own_port_;
 }
 
 bool UdpChannels::close(std::uint16_t port) {

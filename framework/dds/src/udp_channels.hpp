@@ -35,6 +35,9 @@ class UdpChannels {
   /// When this function has returned, the handler is not called any more. Returns false if the port is not
   /// open.
   bool close(std::uint16_t port);
+  /// Returns the port on which the participant receives samples: its last port that is not shared. Fast DDS
+  /// opens the ports for discovery first.
+  [[nodiscard]] std::uint16_t port_for_samples() const;
   /// Receives what is sent to this multicast group, if the port is open.
   void join(std::uint16_t port, const os::Ipv4& group);
   /// Receives the groups on the interfaces that are used now, and not on others.
@@ -59,6 +62,7 @@ class UdpChannels {
   const std::shared_ptr<const Interfaces> interfaces_;
   mutable std::mutex mutex_;
   std::map<std::uint16_t, std::unique_ptr<Channel>> channels_;
+  std::uint16_t last_own_port_ = 0;
 };
 
 }  // namespace takt::dds

@@ -9,26 +9,18 @@
 #include <utility>
 #include <vector>
 
-#include <fastdds/rtps/attributes/RTPSParticipantAttributes.h>
-#include <fastdds/rtps/network/SenderResource.h>
-#include <fastdds/rtps/transport/TransportInterface.h>
-#include <fastdds/rtps/transport/TransportReceiverInterface.h>
-#include <fastdds/rtps/common/LocatorSelector.hpp>
-
 #include <takt/os/udp_socket.hpp>
-#include "fast_dds.hpp"
 
 namespace takt::dds {
 
 namespace {
 
-namespace transport = eprosima::fastdds::rtps;
-using eprosima::fastrtps::rtps::IPLocator;
-using eprosima::fastrtps::rtps::Locator_t;
-using eprosima::fastrtps::rtps::LocatorList_t;
-using eprosima::fastrtps::rtps::LocatorSelectorEntry;
-using eprosima::fastrtps::rtps::LocatorsIterator;
-using eprosima::fastrtps::rtps::octet;
+using rtps::IPLocator;
+using rtps::Locator_t;
+using rtps::LocatorList_t;
+using rtps::LocatorSelectorEntry;
+using rtps::LocatorsIterator;
+using rtps::octet;
 
 /// The number of participants for which Fast DDS searches on a peer, a machine of which only the address is
 /// known.
@@ -65,25 +57,17 @@ bool in_network(const os::InterfaceAddress& of, const os::Ipv4& address) {
 /// True on a thread that handles a packet from this machine.
 thread_local bool handles_packet_from_here = false;
 
-class Sender final : public eprosima::fastrtps::rtps::SenderResource {
- public:
-  template <class Send>
-  Sender(std::int32_t kind, Send send) : SenderResource(kind) {
-    send_lambda_ = std::move(send);
-  }
-};
-
-class UdpTransport final : public transport::TransportInterface {
+class UdpTransport final : public Transport {
  public:
   explicit UdpTransport(const UdpTransportDescriptor& descriptor)
-      : TransportInterface(LOCATOR_KIND_UDPv4),
+      : Transport(LOCATOR_KIND_UDPv4),
         descriptor_(descriptor),
         interfaces_(*descriptor.interfaces()),
         filter_(*descriptor.filter()),
         channels_(*descriptor.channels()),
         names_(*descriptor.names()) {}
 
-  bool init(const eprosima::fastrtps::rtps::PropertyPolicy*) override {
+  bool init() override {
     for (std::size_t i = 0; i < kToMachines + kOthers; ++i) {
       auto socket = os::UdpSocket::open({.groups_come_back = i != kOnlyOut});
       if (!socket) return false;
@@ -137,7 +121,7 @@ class UdpTransport final : public transport::TransportInterface {
   }
   // Sends once to a group if several readers can be reached there, and otherwise to all addresses of each
   // reader.
-  void select_locators(eprosima::fastrtps::rtps::LocatorSelector& selector) const override {
+  void select_locators(rtps::LocatorSelector& selector) const override {
     auto& entries = selector.transport_starts();
     const bool use_groups = interfaces_.groups_reach_others();
     const auto waits_for = [](const LocatorSelectorEntry* entry, const Locator_t& group) {
@@ -190,8 +174,8 @@ class UdpTransport final : public transport::TransportInterface {
   bool fillUnicastLocator(Locator_t& locator, std::uint32_t port) const override {
     return fill(locator, port);
   }
-  bool configureInitialPeerLocator(Locator_t& peer, const eprosima::fastrtps::rtps::PortParameters& ports,
-                                   std::uint32_t domain, LocatorList_t& list) const override {
+  bool configureInitialPeerLocator(Locator_t& peer, const rtps::PortParameters& ports, std::uint32_t domain,
+                                   LocatorList_t& list) const override {
     if (peer.port != 0) {
       list.push_back(peer);
       return true;
@@ -233,11 +217,10 @@ class UdpTransport final : public transport::TransportInterface {
     if (!IsLocatorSupported(to)) return false;
     if (!channels.empty()) return true;  // one channel leads to all locators
     channels.push_back(std::make_unique<Sender>(
-        kind(), [this](const octet* bytes, std::uint32_t size, LocatorsIterator* begin, LocatorsIterator* end,
-                       const std::chrono::steady_clock::time_point&) {
+        kind(), [this](std::span<const octet> message, LocatorsIterator& each, const LocatorsIterator& end) {
           bool sent = true;
-          for (LocatorsIterator& each = *begin; each != *end; ++each) {
-            if (IsLocatorSupported(*each)) sent &= send(without_statistics({bytes, size}), *each);
+          for (; each != end; ++each) {
+            if (IsLocatorSupported(*each)) sent &= send(without_statistics(message), *each);
           }
           return sent;
         }));

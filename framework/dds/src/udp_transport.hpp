@@ -8,8 +8,7 @@
 #include <cstdint>
 #include <memory>
 
-#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
-
+#include "fast_dds.hpp"
 #include "host_names.hpp"
 #include "interfaces.hpp"
 #include "packet_filter.hpp"
@@ -18,11 +17,11 @@
 namespace takt::dds {
 
 /// Creates the transport of the participant.
-class UdpTransportDescriptor final : public eprosima::fastdds::rtps::TransportDescriptorInterface {
+class UdpTransportDescriptor final : public transport::TransportDescriptorInterface {
  public:
   UdpTransportDescriptor(std::shared_ptr<Interfaces> interfaces, std::shared_ptr<PacketFilter> filter,
                          std::shared_ptr<UdpChannels> channels, std::shared_ptr<HostNames> names);
-  [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override;
+  [[nodiscard]] transport::TransportInterface* create_transport() const override;
   [[nodiscard]] std::uint32_t min_send_buffer_size() const override { return maxMessageSize; }
 
   [[nodiscard]] const std::shared_ptr<Interfaces>& interfaces() const noexcept { return interfaces_; }

@@ -20,8 +20,8 @@
 #include <thread>
 #include <vector>
 
-#include <fastcdr/Cdr.h>
 #include <takt/wire/takt.h>
+#include <takt/wire/taktPubSubTypes.h>
 #include <takt/channel/link.hpp>
 #include <takt/channel/release_slot.hpp>
 #include <takt/dds/gateway.hpp>
@@ -717,13 +717,11 @@ TEST_P(DeceivedFragments, AreIgnoredIfTheNumberThatFastDdsStoresWouldExceedTheMe
 }
 
 std::vector<std::byte> bytes_of(const FaultEvent& event) {
-  eprosima::fastcdr::FastBuffer buffer;
-  eprosima::fastcdr::Cdr cdr{buffer, eprosima::fastcdr::Cdr::LITTLE_ENDIANNESS,
-                             eprosima::fastcdr::Cdr::DDS_CDR};
-  cdr.serialize_encapsulation();
-  event.serialize(cdr);
-  const auto* begin = reinterpret_cast<const std::byte*>(buffer.getBuffer());
-  return {begin, begin + cdr.getSerializedDataLength()};
+  FaultEventPubSubType type;
+  dds::rtps::SerializedPayload_t payload{dds::max_size_of(type)};
+  EXPECT_TRUE(dds::encode_sample(type, &event, payload));
+  const auto* begin = reinterpret_cast<const std::byte*>(payload.data);
+  return {begin, begin + payload.length};
 }
 
 // The key hash in a fragment makes Fast DDS store the unfinished sample under this key. When the sample is

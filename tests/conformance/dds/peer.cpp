@@ -7,7 +7,6 @@
 //   PEER_DISCOVERY    multicast, peers=HOST, server=HOST:PORT or serve=HOST:PORT
 //   PEER_INTERFACES   addresses separated by commas, or "all"; the default is 127.0.0.1
 //   PEER_SECURITY     the folder of an identity; without it, DDS Security is off
-#include <dlfcn.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -36,6 +35,7 @@
 #include <takt/dds/topics.hpp>
 #include <takt/wire/words.hpp>
 #include "raw.hpp"
+#include "workarounds/replaced_function.hpp"
 
 #include "sample.hpp"
 
@@ -496,7 +496,7 @@ void doubt(const Participant& participant, const Arguments& arguments) {
   dds::fast::DataReaderQos qos;
   qos.reliability().kind = dds::fast::RELIABLE_RELIABILITY_QOS;
   qos.data_sharing().off();
-  qos.reliable_reader_qos().times.heartbeatResponseDelay = dds::duration(1h);
+  dds::set_times(qos, 1h);
   auto* reader = mine.make_reader(topic, qos, nullptr, dds::fast::StatusMask::none(), dds::Receives::alone);
   dds::fast::SubscriptionMatchedStatus status;
   do {
@@ -724,18 +724,20 @@ int run(int domain, const std::string& command, const Arguments& arguments) {
 // Replaces the function of Fast DDS that checks whether a participant may create a writer. If PEER_CHEATS is
 // set, this process ignores its own permissions, as a manipulated program would. Then other participants must
 // reject its samples.
-extern "C" bool
-ignores_own_permissions(const void* permissions, const void* handle, std::uint32_t domain, const std::string& topic, const std::vector<std::string>& partitions, void* why) __asm__(
-    "_ZN8eprosima8fastrtps4rtps8security11Permissions23check_create_datawriterERKNS2_6HandleEjRKNSt7__cxx1112"
-    "basic_stringIcSt11char_traitsIcESaIcEEERKSt6vectorISC_SaISC_EERNS2_17SecurityExceptionE");
+#define CHECK_WRITER                                                                                     \
+  TAKT_RTPS                                                                                              \
+  "8security11Permissions23check_create_datawriterERKNS2_6HandleEjRKNSt7__cxx1112basic_stringIcSt11char" \
+  "_traitsIcESaIcEEERKSt6vectorISC_SaISC_EERNS2_17SecurityExceptionE"
+extern "C" bool ignores_own_permissions(const void* permissions, const void* handle, std::uint32_t domain,
+                                        const std::string& topic, const std::vector<std::string>& partitions,
+                                        void* why) __asm__(CHECK_WRITER);
 extern "C" __attribute__((visibility("default"))) bool ignores_own_permissions(
     const void* permissions, const void* handle, std::uint32_t domain, const std::string& topic,
     const std::vector<std::string>& partitions, void* why) {
   if (std::getenv("PEER_CHEATS") != nullptr) return true;
-  static const auto original = reinterpret_cast<decltype(&ignores_own_permissions)>(::dlsym(
-      RTLD_NEXT,
-      "_ZN8eprosima8fastrtps4rtps8security11Permissions23check_create_datawriterERKNS2_6HandleEjRKNSt7__"
-      "cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKSt6vectorISC_SaISC_EERNS2_17SecurityExceptionE"));
+  static auto* const original =
+      takt::dds::replaced<bool(const void*, const void*, std::uint32_t, const std::string&,
+                               const std::vector<std::string>&, void*)>(CHECK_WRITER);
   return original(permissions, handle, domain, topic, partitions, why);
 }
 

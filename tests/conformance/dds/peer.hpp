@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include <fastdds/rtps/common/SerializedPayload.h>
+#include "fast_dds.hpp"
 
 #include <long_enough.hpp>
 
@@ -48,8 +48,8 @@ class Peer {
 template <class Generated>
 std::string in_hex(typename Generated::type& sample) {
   Generated type;
-  eprosima::fastrtps::rtps::SerializedPayload_t payload{type.m_typeSize};
-  type.serialize(&sample, &payload);
+  dds::rtps::SerializedPayload_t payload{dds::max_size_of(type)};
+  dds::encode_sample(type, &sample, payload);
   std::string text;
   for (std::uint32_t i = 0; i < payload.length; ++i) {
     std::array<char, 3> digits{};

@@ -331,9 +331,7 @@ TEST(InstanceKeys, AreCorrectWhenTwoThreadsComputeThemAtTheSameTime) {
   const auto key_of = [&type](const std::string& path) {
     LifecycleStatus status;
     status.path(path);
-    dds::rtps::InstanceHandle_t handle;
-    type.getKey(&status, &handle);
-    return dds::number_of(handle);
+    return dds::number_of(dds::key_of_sample(type, &status));
   };
   const std::string one = "cell/device/one";
   const std::string other = "cell/another_device_with_a_long_name/other_module";

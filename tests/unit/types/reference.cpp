@@ -6,27 +6,16 @@
 #include <stdexcept>
 #include <string>
 
-#include <fastcdr/Cdr.h>
-#include <fastcdr/FastBuffer.h>
-
+#include <cdr.hpp>
 #include "values.hpp"  // here, includes the classes of fastddsgen
 
 namespace takt::types_reference {
 namespace {
 
-using eprosima::fastcdr::Cdr;
-using eprosima::fastcdr::FastBuffer;
-
 template <class T>
 Bytes serialized(const T& value, Endianness endianness) {
-  Bytes bytes(4 + T::getMaxCdrSerializedSize());
-  FastBuffer buffer{reinterpret_cast<char*>(bytes.data()), bytes.size()};
-  Cdr cdr{buffer, endianness == Endianness::little ? Cdr::LITTLE_ENDIANNESS : Cdr::BIG_ENDIANNESS,
-          Cdr::DDS_CDR};
-  cdr.serialize_encapsulation();
-  value.serialize(cdr);
-  bytes.resize(cdr.getSerializedDataLength());
-  return bytes;
+  using Cdr = eprosima::fastcdr::Cdr;
+  return cdr::encoded(value, endianness == Endianness::little ? Cdr::LITTLE_ENDIANNESS : Cdr::BIG_ENDIANNESS);
 }
 
 /// One sample, encoded in each byte order.

@@ -21,9 +21,31 @@ struct Undecoded {
 template <class Generated>
 class CheckedType final : public Generated, public Undecoded {
  public:
+#if TAKT_FASTDDS == 2
+  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override { return decode(payload, data); }
+  // Locks and clears the buffer for keys first, because the generated function uses one buffer for all
+  // threads and keys, and does not clear it.
+  bool getKey(void* data, rtps::InstanceHandle_t* handle, bool force_md5 = false) override {
+    if (!this->m_isGetKeyDefined) return false;
+    const std::lock_guard lock{mutex_};
+    std::memset(this->m_keyBuffer, 0,
+                std::max<std::size_t>(16, Generated::type::getKeyMaxCdrSerializedSize()));
+    return Generated::getKey(data, handle, force_md5);
+  }
+#else
+  bool deserialize(rtps::SerializedPayload_t& payload, void* data) override { return decode(payload, data); }
+  using Generated::compute_key;  // from a payload; it calls the other one
+  bool compute_key(const void* data, rtps::InstanceHandle_t& handle, bool force_md5 = false) override {
+    const std::lock_guard lock{mutex_};
+    return Generated::compute_key(data, handle, force_md5);
+  }
+#endif
+
+ private:
   // Decodes a sample, and catches the exceptions of the generated decoder. Fast DDS does not catch most of
   // these exceptions, so they would end the process.
-  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
+  template <class Payload>
+  bool decode(Payload&& payload, void* data) {
     try {
       if (Generated::deserialize(payload, data)) return true;
     } catch (...) {  // the bytes are not a valid sample; counted below
@@ -32,17 +54,6 @@ class CheckedType final : public Generated, public Undecoded {
     return false;
   }
 
-  // Computes the key of a sample. Locks and clears the buffer for keys first, because the generated function
-  // uses one buffer for all threads and keys, and does not clear it.
-  bool getKey(void* data, rtps::InstanceHandle_t* handle, bool force_md5 = false) override {
-    if (!this->m_isGetKeyDefined) return false;
-    const std::lock_guard lock{mutex_};
-    std::memset(this->m_keyBuffer, 0,
-                std::max<std::size_t>(16, Generated::type::getKeyMaxCdrSerializedSize()));
-    return Generated::getKey(data, handle, force_md5);
-  }
-
- private:
   std::mutex mutex_;
 };
 

@@ -53,8 +53,6 @@ std::function<void()> set_own_addresses;
 std::function<void(bool changed)> announce;
 std::function<void()> assign_moved_clients;
 std::function<void()> announce_soon;
-std::function<std::map<takt::wire::ParticipantNumber, std::string>()> find;
-std::uint32_t sample_port = 0;
 
 bool follows_others = false;
 
@@ -109,7 +107,7 @@ void prepare_own_announcement(bool follows) noexcept {
     static_cast<void>(replaced<SetLocators>(name));
 }
 
-void announce_addresses(const std::vector<os::Ipv4>& addresses) {
+void announce_addresses(fast::DomainParticipant&, const std::vector<os::Ipv4>& addresses) {
   {
     const std::lock_guard lock{addresses_mutex};
     own_addresses = addresses;
@@ -118,8 +116,6 @@ void announce_addresses(const std::vector<os::Ipv4>& addresses) {
   announce(true);
 }
 
-std::uint32_t port_for_samples() noexcept { return sample_port; }
-std::map<wire::ParticipantNumber, std::string> found_participants() { return find(); }
 void announce_again() { announce(false); }
 void follow_clients() { assign_moved_clients(); }
 void rejoin(PacketFilter& filter, bool also_here) { leave_and_join(filter, also_here); }
@@ -170,17 +166,6 @@ bool PDP::initPDP(RTPSParticipantImpl* participant) {
     set_next_announcement_interval();
     resetParticipantAnnouncement();
   };
-  find = [this] {
-    std::map<takt::wire::ParticipantNumber, std::string> found;
-    const std::lock_guard lock{*mp_mutex};
-    for (auto each = participant_proxies_.begin() + 1; each < participant_proxies_.end();
-         ++each) {  // 0: itself
-      takt::wire::ParticipantNumber number{};
-      std::copy_n((*each)->m_guid.guidPrefix.value, number.size(), number.begin());
-      found[number] = (*each)->m_participantName.to_string();
-    }
-    return found;
-  };
   set_own_addresses = [this] {
     const std::lock_guard lock{*mp_mutex};
     const std::lock_guard addresses{addresses_mutex};
@@ -229,9 +214,7 @@ bool PDP::initPDP(RTPSParticipantImpl* participant) {
     filter.silence = Silence::none;
     announceParticipantState(true, false);
   };
-  if (!original()(this, participant)) return false;
-  sample_port = getLocalParticipantProxyData()->default_locators.unicast.begin()->port;
-  return true;
+  return original()(this, participant);
 }
 
 }  // namespace eprosima::fastrtps::rtps

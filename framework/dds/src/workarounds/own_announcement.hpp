@@ -12,13 +12,10 @@
 // it rejoins.
 #pragma once
 
-#include <cstdint>
-#include <map>
-#include <string>
 #include <vector>
 
 #include <takt/os/network.hpp>
-#include <takt/wire/rtps.hpp>
+#include "../fast_dds.hpp"
 #include "../packet_filter.hpp"
 
 namespace takt::dds {
@@ -31,11 +28,7 @@ void prepare_own_announcement(bool follows) noexcept;
 /// From now on, this participant announces these addresses, also those of its new readers and writers. Its
 /// present readers and writers announce them when their QoS is set again. Any thread but a real-time one may
 /// call this function while the participant exists.
-void announce_addresses(const std::vector<os::Ipv4>& addresses);
-/// Returns the port on which the participant of this process receives samples.
-std::uint32_t port_for_samples() noexcept;
-/// Returns the name of each participant that this one has found and not lost, without itself.
-std::map<wire::ParticipantNumber, std::string> found_participants();
+void announce_addresses(fast::DomainParticipant& participant, const std::vector<os::Ipv4>& addresses);
 /// Announces this participant once more.
 void announce_again();
 /// If the participant of this process is a discovery server, it sends discovery messages to the new addresses

@@ -7,7 +7,7 @@
 
 #include <functional>
 
-#include <fastdds/rtps/common/GuidPrefix_t.hpp>
+#include "../fast_dds.hpp"
 
 struct x509_st;
 
@@ -17,6 +17,6 @@ namespace takt::dds {
 /// exchanges keys with it. Threads of Fast DDS call `seen`, until it is replaced by an empty function. Ends
 /// the process if the function of Fast DDS that peer_certificates.cpp replaces is missing.
 void look_at_certificates(
-    std::function<void(const eprosima::fastrtps::rtps::GuidPrefix_t& peer, const x509_st& certificate)> seen);
+    std::function<void(const rtps::GuidPrefix_t& peer, const x509_st& certificate)> seen);
 
 }  // namespace takt::dds

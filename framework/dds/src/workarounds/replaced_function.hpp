@@ -1,14 +1,26 @@
-// For the files in this folder that replace functions of Fast DDS.
+// For the files in this folder that replace functions of Fast DDS. Fast DDS 3 does not install the headers of
+// most classes, so these files declare a function by its mangled name, as a function that gets the object as
+// its first parameter:
+//
+//   bool remove(void* object, const rtps::GUID_t&) asm(TAKT_RTPS "3PDP6removeERKNS1_6GUID_tE");
 #pragma once
-
-#include <fastrtps/config.h>
 
 #include <takt/core/check.hpp>
 #include <takt/os/library.hpp>
+#include "../fast_dds.hpp"
 
+#if TAKT_FASTDDS == 2
+#include <fastrtps/config.h>
 #if FASTRTPS_VERSION_MAJOR != 2 || FASTRTPS_VERSION_MINOR != 9
-#error "this folder replaces functions of Fast DDS 2.9; for another version, see workarounds/README.md"
+#error \
+    "this folder replaces functions of Fast DDS 2.9 and 3.1; for another version, see workarounds/README.md"
 #endif
+/// How the mangled names of functions begin, up to the name of the class.
+#define TAKT_RTPS "_ZN8eprosima8fastrtps4rtps"
+#else
+#define TAKT_RTPS "_ZN8eprosima7fastdds4rtps"
+#endif
+#define TAKT_DDS "_ZN8eprosima7fastdds3dds"
 
 namespace takt::dds {
 

@@ -8,11 +8,9 @@
 #include <functional>
 #include <string>
 
-#include <fastdds/rtps/common/Guid.h>
-#include <fastdds/rtps/common/SequenceNumber.h>
-
 #include <takt/core/time.hpp>
 #include <takt/wire/rtps.hpp>
+#include "../fast_dds.hpp"
 
 namespace takt::dds {
 
@@ -25,13 +23,12 @@ void limit_resends(std::function<void(const std::string&)> tell);
 [[nodiscard]] std::string obstacle_to(const wire::ParticipantNumber& participant);
 
 /// Call this function for each ACKNACK. Returns true if the writer may send the missing samples again now.
-[[nodiscard]] bool may_answer(const eprosima::fastrtps::rtps::GUID_t& writer,
-                              const eprosima::fastrtps::rtps::GUID_t& reader,
-                              const eprosima::fastrtps::rtps::SequenceNumberSet_t& missing);
+[[nodiscard]] bool may_answer(const rtps::GUID_t& writer, const rtps::GUID_t& reader,
+                              const rtps::SequenceNumberSet_t& missing);
 
 /// Returns true if may_answer() would reject everything that the reader has requested and still misses, also
 /// if the request came `within` this time. A heartbeat would only cause such a request.
-[[nodiscard]] bool is_answer_paused(const eprosima::fastrtps::rtps::GUID_t& writer,
-                                    const eprosima::fastrtps::rtps::GUID_t& reader, Nanoseconds within);
+[[nodiscard]] bool is_answer_paused(const rtps::GUID_t& writer, const rtps::GUID_t& reader,
+                                    Nanoseconds within);
 
 }  // namespace takt::dds

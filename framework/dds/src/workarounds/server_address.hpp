@@ -11,16 +11,14 @@
 #include <optional>
 #include <vector>
 
-#include <fastdds/rtps/common/Locator.h>
-#include <fastdds/rtps/common/GuidPrefix_t.hpp>
-
 #include <takt/os/network.hpp>
+#include "../fast_dds.hpp"
 
 namespace takt::dds {
 
 struct NamedServer {
-  eprosima::fastrtps::rtps::GuidPrefix_t prefix;
-  eprosima::fastrtps::rtps::Locator_t locator;                  ///< of a placeholder; see HostNames
+  rtps::GuidPrefix_t prefix;
+  rtps::Locator_t locator;                                      ///< of a placeholder; see HostNames
   std::function<void(const std::vector<os::Ipv4>&)> announced;  ///< called with each announcement's addresses
 };
 

@@ -7,9 +7,8 @@
 // seconds to find the others. The times are constants.
 #pragma once
 
-#include <fastdds/rtps/common/Guid.h>
-
 #include <takt/core/time.hpp>
+#include "../fast_dds.hpp"
 
 namespace takt::dds {
 
@@ -18,10 +17,9 @@ namespace takt::dds {
 void repeat_lost_messages_soon() noexcept;
 
 /// The reader has answered a heartbeat of the writer.
-void heartbeat_answered(const eprosima::fastrtps::rtps::GUID_t& writer,
-                        const eprosima::fastrtps::rtps::GUID_t& reader);
+void heartbeat_answered(const rtps::GUID_t& writer, const rtps::GUID_t& reader);
 
 /// Returns how long the answers of this participant take, at least; 0: not known yet.
-Nanoseconds round_trip_to(const eprosima::fastrtps::rtps::GuidPrefix_t& participant);
+Nanoseconds round_trip_to(const rtps::GuidPrefix_t& participant);
 
 }  // namespace takt::dds

@@ -2,43 +2,36 @@
 
 #include <mutex>
 
-#include <fastdds/rtps/history/ReaderHistory.h>
 #include "replaced_function.hpp"
 
-namespace eprosima::fastdds::dds::detail {
+#if TAKT_FASTDDS == 2
+#include <fastdds/rtps/history/History.h>
+#define FORGET TAKT_DDS "6detail17DataReaderHistory16writer_not_aliveERKNS_8fastrtps4rtps6GUID_tE"
+#else
+#include <fastdds/rtps/history/History.hpp>
+#define FORGET TAKT_DDS "6detail17DataReaderHistory16writer_not_aliveERKNS0_4rtps6GUID_tE"
+#endif
 
-// Fast DDS does not install the header of this class; this declaration lists only the replaced function.
-class DataReaderHistory : public fastrtps::rtps::ReaderHistory {
- public:
-  void writer_not_alive(const fastrtps::rtps::GUID_t& writer);
-};
-
-}  // namespace eprosima::fastdds::dds::detail
+namespace takt::dds {
 
 namespace {
 
-using eprosima::fastdds::dds::detail::DataReaderHistory;
-using Forget = void(DataReaderHistory*, const eprosima::fastrtps::rtps::GUID_t&);
+using Forget = void(rtps::History* samples, const rtps::GUID_t& writer);
 
 Forget* original() noexcept {
-  static Forget* const found = takt::dds::replaced<Forget>(
-      "_ZN8eprosima7fastdds3dds6detail17DataReaderHistory16writer_not_aliveERKNS_8fastrtps4rtps6GUID_tE");
+  static Forget* const found = replaced<Forget>(FORGET);
   return found;
 }
 
 }  // namespace
 
-namespace takt::dds {
-
 void lock_readers_that_lose_writers() noexcept { static_cast<void>(original()); }
 
-}  // namespace takt::dds
+void forget_writer(rtps::History* samples, const rtps::GUID_t& writer) asm(FORGET);
 
-namespace eprosima::fastdds::dds::detail {
-
-void DataReaderHistory::writer_not_alive(const fastrtps::rtps::GUID_t& writer) {
-  const std::lock_guard lock{*getMutex()};
-  original()(this, writer);
+void forget_writer(rtps::History* samples, const rtps::GUID_t& writer) {
+  const std::lock_guard lock{*samples->getMutex()};
+  original()(samples, writer);
 }
 
-}  // namespace eprosima::fastdds::dds::detail
+}  // namespace takt::dds
