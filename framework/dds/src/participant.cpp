@@ -368,7 +368,7 @@ void OwnParticipant::follow_machine(std::stop_token end) {
     if (discovery_listener_ != nullptr)
       discovery_listener_->check_certificates(os::wall_ns() / 1'000'000'000);
     follow_clients();
-    if (was_halted && identity_) rejoin(*filter_, true);
+    if (was_halted && identity_) rejoin(*filter_, others_->names(), true);
     if (news_.take()) {
       while (os::wait_readable({&news_.fd()}, kMoreNewsMs)) news_.take();
       follow_interfaces();
@@ -388,7 +388,7 @@ void OwnParticipant::follow_interfaces() {
   channels_->follow_interfaces();
   // While this participant has no address, other machines cannot hear where it is.
   if (must_rejoin_ && (change.removed_used || (has_moved_ && change.added)))
-    rejoin(*filter_, false);
+    rejoin(*filter_, others_->names(), false);
   else
     announce_again();
   has_moved_ = change.removed_used || (has_moved_ && !change.added);

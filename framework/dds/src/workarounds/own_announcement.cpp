@@ -118,7 +118,9 @@ void announce_addresses(fast::DomainParticipant&, const std::vector<os::Ipv4>& a
 
 void announce_again() { announce(false); }
 void follow_clients() { assign_moved_clients(); }
-void rejoin(PacketFilter& filter, bool also_here) { leave_and_join(filter, also_here); }
+void rejoin(PacketFilter& filter, const std::map<wire::ParticipantNumber, std::string>&, bool also_here) {
+  leave_and_join(filter, also_here);
+}
 
 }  // namespace takt::dds
 

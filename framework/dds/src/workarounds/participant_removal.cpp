@@ -3,9 +3,10 @@
 #include "replaced_function.hpp"
 
 #if TAKT_FASTDDS == 2
-#define REMOVE                                                                                         \
-  TAKT_RTPS "3PDP25remove_remote_participantERKNS1_6GUID_tENS1_24ParticipantDiscoveryInfo16DISCOVERY_" \
-            "STATUSE"
+#define REMOVE                                                                                   \
+  TAKT_RTPS                                                                                      \
+      "3PDP25remove_remote_participantERKNS1_6GUID_tENS1_24ParticipantDiscoveryInfo16DISCOVERY_" \
+      "STATUSE"
 #else
 #define REMOVE TAKT_RTPS "3PDP25remove_remote_participantERKNS1_6GUID_tENS1_26ParticipantDiscoveryStatusE"
 #endif
@@ -31,6 +32,11 @@ void pause_during_removals(ReceiveLock& lock) noexcept {
 }
 
 bool remove_participant(void* discovery, const rtps::GUID_t& participant, int reason) asm(REMOVE);
+
+void forget_participant(void* discovery, const rtps::GUID_t& participant) {
+  constexpr int kDropped = 3;
+  remove_participant(discovery, participant, kDropped);
+}
 
 bool remove_participant(void* discovery, const rtps::GUID_t& participant, int reason) {
   const ReceiveLock::Pause pause{*to_pause};

@@ -6,6 +6,7 @@
 // Security, the authentication that belong to it. It never adds them again, because the participant is known.
 #pragma once
 
+#include "../fast_dds.hpp"
 #include "receive_lock.hpp"
 
 namespace takt::dds {
@@ -14,5 +15,7 @@ namespace takt::dds {
 /// participant_removal.cpp replaces is missing. Call this function before the participant of this process is
 /// created; `lock` must exist as long as this participant.
 void pause_during_removals(ReceiveLock& lock) noexcept;
+/// Makes the participant discovery of Fast DDS (PDP) forget a participant.
+void forget_participant(void* discovery, const rtps::GUID_t& participant);
 
 }  // namespace takt::dds

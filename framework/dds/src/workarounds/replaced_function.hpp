@@ -10,6 +10,7 @@
 #include "../fast_dds.hpp"
 
 #if TAKT_FASTDDS == 2
+#include <fastdds/rtps/writer/RTPSWriter.h>
 #include <fastrtps/config.h>
 #if FASTRTPS_VERSION_MAJOR != 2 || FASTRTPS_VERSION_MINOR != 9
 #error \
@@ -17,8 +18,13 @@
 #endif
 /// How the mangled names of functions begin, up to the name of the class.
 #define TAKT_RTPS "_ZN8eprosima8fastrtps4rtps"
+#define TAKT_RTPS_CONST "_ZNK8eprosima8fastrtps4rtps"  // of constant functions
+#define TAKT_VENDOR ""  // in version 3, some functions also get the vendor of the sender
 #else
+#include <fastdds/rtps/writer/RTPSWriter.hpp>
 #define TAKT_RTPS "_ZN8eprosima7fastdds4rtps"
+#define TAKT_RTPS_CONST "_ZNK8eprosima7fastdds4rtps"
+#define TAKT_VENDOR "St5arrayIhLm2EE"
 #endif
 #define TAKT_DDS "_ZN8eprosima7fastdds3dds"
 
@@ -31,6 +37,11 @@ Function* replaced(const char* name) noexcept {
   auto* const function = reinterpret_cast<Function*>(os::next_function(name));
   TAKT_CHECK(function != nullptr);
   return function;
+}
+
+/// Returns the GUID of a writer from the first parameter of one of its functions.
+inline const rtps::GUID_t& guid_of(const void* writer) {
+  return static_cast<const rtps::RTPSWriter*>(writer)->getGuid();
 }
 
 }  // namespace takt::dds

@@ -1,6 +1,7 @@
 #include "resends.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <limits>
@@ -9,8 +10,6 @@
 #include <tuple>
 #include <utility>
 
-#include <fastdds/rtps/writer/StatefulWriter.h>
-
 #include <takt/os/clock.hpp>
 #include <takt/os/network.hpp>
 #include "../packet_filter.hpp"
@@ -18,10 +17,19 @@
 #include "replaced_function.hpp"
 #include "soon_repeated.hpp"
 
-namespace {
+#if TAKT_FASTDDS == 2
+#define REFERENCE_TO ""
+#else
+#define REFERENCE_TO "RK"
+#endif
+#define FRAGMENTS                                                                                \
+  TAKT_RTPS                                                                                      \
+  "14StatefulWriter17process_nack_fragERKNS1_6GUID_tES5_jRKNS1_16SequenceNumber_tE" REFERENCE_TO \
+  "NS0_11BitmapRangeIjNS0_12DiffFunctionIjEELj256EEERb" TAKT_VENDOR
 
-namespace rtps = eprosima::fastrtps::rtps;
-using takt::Instant;
+namespace takt::dds {
+
+namespace {
 
 /// After this time without a request, the reader has probably left.
 constexpr std::chrono::seconds kForgotten{3};
@@ -29,7 +37,7 @@ constexpr std::size_t kMostRequests = 4096;
 
 /// The request of a reader for samples of a writer, or for fragments of one sample.
 struct Request {
-  takt::dds::ResendPace pace;
+  ResendPace pace;
   Instant heard{};
   std::string obstacle;
 };
@@ -42,8 +50,8 @@ std::function<void(const std::string&)> tell;
 
 /// Returns true if the writer may answer this request now.
 bool is_due(const Key& key, std::uint64_t first) {
-  const Instant now = takt::os::now();
-  const takt::Nanoseconds round_trip = takt::dds::round_trip_to(std::get<1>(key).guidPrefix);
+  const Instant now = os::now();
+  const Nanoseconds round_trip = round_trip_to(std::get<1>(key).guidPrefix);
   const std::lock_guard lock{mutex};
   if (requests.size() == kMostRequests) requests.clear();
   Request& request = requests[key];
@@ -52,29 +60,31 @@ bool is_due(const Key& key, std::uint64_t first) {
   if (!request.pace.is_stuck(now)) {
     request.obstacle.clear();
   } else if (request.obstacle.empty()) {
-    request.obstacle = "IP packets of up to 1280 bytes do not reach " +
-                       takt::os::in_dots(takt::dds::PacketFilter::sender()) + ", but shorter ones do";
+    request.obstacle = "IP packets of up to 1280 bytes do not reach " + os::in_dots(PacketFilter::sender()) +
+                       ", but shorter ones do";
     if (tell) tell(request.obstacle);
   }
   return true;
 }
 
-using Fragments = bool(rtps::StatefulWriter*, const rtps::GUID_t&, const rtps::GUID_t&, std::uint32_t,
-                       const rtps::SequenceNumber_t&, rtps::FragmentNumberSet_t, bool&);
+#if TAKT_FASTDDS == 2
+using Answer = bool(void* object, const rtps::GUID_t& writer, const rtps::GUID_t& reader, std::uint32_t count,
+                    const rtps::SequenceNumber_t& sample, rtps::FragmentNumberSet_t missing, bool& is_mine);
+#else
+using Answer = bool(void* object, const rtps::GUID_t& writer, const rtps::GUID_t& reader, std::uint32_t count,
+                    const rtps::SequenceNumber_t& sample, const rtps::FragmentNumberSet_t& missing,
+                    bool& is_mine, std::array<std::uint8_t, 2> vendor);
+#endif
 
-Fragments* replaced_fragments() noexcept {
-  static Fragments* const found = takt::dds::replaced<Fragments>(
-      "_ZN8eprosima8fastrtps4rtps14StatefulWriter17process_nack_fragERKNS1_6GUID_tES5_jRKNS1_"
-      "16SequenceNumber_tENS0_11BitmapRangeIjNS0_12DiffFunctionIjEELj256EEERb");
+Answer* original() noexcept {
+  static Answer* const found = replaced<Answer>(FRAGMENTS);
   return found;
 }
 
 }  // namespace
 
-namespace takt::dds {
-
 void limit_resends(std::function<void(const std::string&)> to) {
-  static_cast<void>(replaced_fragments());
+  static_cast<void>(original());
   const std::lock_guard lock{mutex};
   tell = std::move(to);
 }
@@ -113,18 +123,25 @@ bool is_answer_paused(const rtps::GUID_t& writer, const rtps::GUID_t& reader, Na
          std::all_of(each, end, [&](const auto& one) { return one.second.pace.is_paused(now, within); });
 }
 
-}  // namespace takt::dds
+Answer process_nack_frag asm(FRAGMENTS);
 
-namespace eprosima::fastrtps::rtps {
-
-bool StatefulWriter::process_nack_frag(const GUID_t& writer, const GUID_t& reader, std::uint32_t count,
-                                       const SequenceNumber_t& sample, const FragmentNumberSet_t missing,
-                                       bool& is_mine) {
-  if (writer == m_guid && !is_due({writer, reader, sample.to64long()}, missing.base())) {
-    is_mine = true;
-    return true;
-  }
-  return replaced_fragments()(this, writer, reader, count, sample, missing, is_mine);
+#if TAKT_FASTDDS == 2
+bool process_nack_frag(void* object, const rtps::GUID_t& writer, const rtps::GUID_t& reader,
+                       std::uint32_t count, const rtps::SequenceNumber_t& sample,
+                       rtps::FragmentNumberSet_t missing, bool& is_mine) {
+  is_mine = guid_of(object) == writer;
+  return (is_mine && !is_due({writer, reader, sample.to64long()}, missing.base())) ||
+         original()(object, writer, reader, count, sample, missing, is_mine);
 }
+#else
+bool process_nack_frag(void* object, const rtps::GUID_t& writer, const rtps::GUID_t& reader,
+                       std::uint32_t count, const rtps::SequenceNumber_t& sample,
+                       const rtps::FragmentNumberSet_t& missing, bool& is_mine,
+                       std::array<std::uint8_t, 2> vendor) {
+  is_mine = guid_of(object) == writer;
+  return (is_mine && !is_due({writer, reader, sample.to64long()}, missing.base())) ||
+         original()(object, writer, reader, count, sample, missing, is_mine, vendor);
+}
+#endif
 
-}  // namespace eprosima::fastrtps::rtps
+}  // namespace takt::dds

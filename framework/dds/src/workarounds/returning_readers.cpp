@@ -1,56 +1,100 @@
 #include "returning_readers.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <mutex>
+#include <utility>
 
-#include <fastdds/rtps/writer/ReaderProxy.h>
-#include <fastdds/rtps/writer/StatefulWriter.h>
 #include "replaced_function.hpp"
 #include "resends.hpp"
 #include "soon_repeated.hpp"
 
+#define ACKNACK                                                                                    \
+  TAKT_RTPS                                                                                        \
+  "14StatefulWriter15process_acknackERKNS1_6GUID_tES5_jRKNS0_11BitmapRangeINS1_16SequenceNumber_t" \
+  "ENS1_18SequenceNumberDiffELj256EEEbRb" TAKT_VENDOR
+
+namespace takt::dds {
+
 namespace {
 
-namespace rtps = eprosima::fastrtps::rtps;
+// Readers that have ended leave their number behind. If there are so many, all are learned again.
+constexpr std::size_t kMostReaders = 4096;
 
-using Acknack = bool(rtps::StatefulWriter*, const rtps::GUID_t&, const rtps::GUID_t&, std::uint32_t,
-                     const rtps::SequenceNumberSet_t&, bool, bool&);
+std::mutex mutex;
+// The number before which a reader has acknowledged all samples of a writer, by writer and reader.
+std::map<std::pair<rtps::GUID_t, rtps::GUID_t>, rtps::SequenceNumber_t> acknowledged;
+
+/// Returns true if the reader requests samples that it has acknowledged before.
+bool is_returning(const rtps::GUID_t& writer, const rtps::GUID_t& reader,
+                  const rtps::SequenceNumberSet_t& requested) {
+  const std::lock_guard lock{mutex};
+  if (acknowledged.size() >= kMostReaders) acknowledged.clear();
+  rtps::SequenceNumber_t& before = acknowledged[{writer, reader}];
+  if (requested.empty()) {
+    before = std::max(before, requested.base());
+    return false;
+  }
+  return requested.base() < std::exchange(before, requested.base());
+}
+
+/// Handles a request of a reader. `handle` passes the samples that the writer should send, and whether the
+/// reader wants no answer, to Fast DDS. Fast DDS asks each writer of the participant.
+template <class Handle>
+bool answer(const void* object, const rtps::GUID_t& writer, const rtps::GUID_t& reader,
+            const rtps::SequenceNumberSet_t& requested, bool final, Handle&& handle) {
+  if (guid_of(object) != writer) return handle(requested, final);
+  // A reader that has not received a heartbeat yet sends number 0.
+  if (requested.base() > rtps::SequenceNumber_t{}) {
+    heartbeat_answered(writer, reader);
+    if (is_returning(writer, reader, requested))
+      return handle(rtps::SequenceNumberSet_t{rtps::SequenceNumber_t{}}, false);
+  }
+  if (!may_answer(writer, reader, requested))  // only the acknowledgement counts
+    return handle(rtps::SequenceNumberSet_t{requested.base()}, true);
+  return handle(requested, final);
+}
+
+#if TAKT_FASTDDS == 2
+using Acknack = bool(void* object, const rtps::GUID_t& writer, const rtps::GUID_t& reader,
+                     std::uint32_t count, const rtps::SequenceNumberSet_t& requested, bool final,
+                     bool& is_mine);
+#else
+using Acknack = bool(void* object, const rtps::GUID_t& writer, const rtps::GUID_t& reader,
+                     std::uint32_t count, const rtps::SequenceNumberSet_t& requested, bool final,
+                     bool& is_mine, std::array<std::uint8_t, 2> vendor);
+#endif
 
 Acknack* original() noexcept {
-  static Acknack* const found = takt::dds::replaced<Acknack>(
-      "_ZN8eprosima8fastrtps4rtps14StatefulWriter15process_acknackERKNS1_6GUID_tES5_jRKNS0_11BitmapRange"
-      "INS1_16SequenceNumber_tENS1_18SequenceNumberDiffELj256EEEbRb");
+  static Acknack* const found = replaced<Acknack>(ACKNACK);
   return found;
 }
 
 }  // namespace
 
-namespace takt::dds {
-
 void send_again_to_returning_readers() noexcept { static_cast<void>(original()); }
 
-}  // namespace takt::dds
+Acknack process_acknack asm(ACKNACK);
 
-namespace eprosima::fastrtps::rtps {
-
-// Treats a request for a number that the writer counts as acknowledged as a request for all samples.
-bool StatefulWriter::process_acknack(const GUID_t& writer, const GUID_t& reader, std::uint32_t count,
-                                     const SequenceNumberSet_t& requested, bool final, bool& is_mine) {
-  const std::lock_guard lock{mp_mutex};
-  // A reader that has not received a heartbeat yet sends number 0.
-  const bool answers = writer == m_guid && requested.base() > SequenceNumber_t{};
-  if (answers) takt::dds::heartbeat_answered(writer, reader);
-  if (answers && !requested.empty()) {
-    for (const ReaderProxy* known : matched_remote_readers_) {
-      if (known->guid() == reader && requested.base() <= known->changes_low_mark())
-        return original()(this, writer, reader, count, SequenceNumberSet_t{SequenceNumber_t{}}, false,
-                          is_mine);
-    }
-  }
-  if (writer == m_guid &&
-      !takt::dds::may_answer(writer, reader, requested))  // only the acknowledgement counts
-    return original()(this, writer, reader, count, SequenceNumberSet_t{requested.base()}, true, is_mine);
-  return original()(this, writer, reader, count, requested, final, is_mine);
+#if TAKT_FASTDDS == 2
+bool process_acknack(void* object, const rtps::GUID_t& writer, const rtps::GUID_t& reader,
+                     std::uint32_t count, const rtps::SequenceNumberSet_t& requested, bool final,
+                     bool& is_mine) {
+  return answer(object, writer, reader, requested, final, [&](const auto& samples, bool is_final) {
+    return original()(object, writer, reader, count, samples, is_final, is_mine);
+  });
 }
+#else
+bool process_acknack(void* object, const rtps::GUID_t& writer, const rtps::GUID_t& reader,
+                     std::uint32_t count, const rtps::SequenceNumberSet_t& requested, bool final,
+                     bool& is_mine, std::array<std::uint8_t, 2> vendor) {
+  return answer(object, writer, reader, requested, final, [&](const auto& samples, bool is_final) {
+    return original()(object, writer, reader, count, samples, is_final, is_mine, vendor);
+  });
+}
+#endif
 
-}  // namespace eprosima::fastrtps::rtps
+}  // namespace takt::dds

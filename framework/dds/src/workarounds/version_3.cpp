@@ -1,43 +1,108 @@
-// For Fast DDS 3: what the functions do that other files of this folder define for Fast DDS 2.9, by replacing
-// private functions. README.md says which defects are left.
+// For Fast DDS 3: what the functions do that other files of this folder define for Fast DDS 2.9. README.md
+// says which defects are left.
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include <fastdds/rtps/attributes/WriterAttributes.hpp>
+
 #include "announced_once.hpp"
 #include "leases.hpp"
 #include "message_size.hpp"
 #include "own_announcement.hpp"
-#include "reader_checks.hpp"
+#include "participant_removal.hpp"
 #include "removed_readers.hpp"
-#include "resends.hpp"
-#include "returning_readers.hpp"
+#include "replaced_function.hpp"
 #include "server_address.hpp"
 #include "soon_repeated.hpp"
 #include "spent_tokens.hpp"
 
+#define BEGIN TAKT_RTPS "3PDP7initPDPEPNS1_19RTPSParticipantImplE"
+#define CREATE_WRITER                                                                                    \
+  TAKT_RTPS                                                                                              \
+  "19RTPSParticipantImpl12createWriterEPPNS1_10RTPSWriterERNS1_16WriterAttributesEPNS1_13WriterHistoryE" \
+  "PNS1_14WriterListenerERKNS1_10EntityId_tEb"
+
 namespace takt::dds {
 
-// Mended in version 3
+namespace {
+
+// See own_announcement.cpp.
+constexpr std::chrono::milliseconds kSilence{500};
+
+void* discovery = nullptr;  // the participant discovery of Fast DDS (PDP)
+
+void announce(bool leaves) {
+  using Announce = void(void* discovery, bool has_changed, bool leaves);
+  static Announce* const found = replaced<Announce>(TAKT_RTPS "3PDP24announceParticipantStateEbb");
+  found(discovery, true, leaves);
+}
+
+}  // namespace
+
+// ---- Mended in version 3
+
 void remove_readers_without_deadlock() noexcept {}
 void drop_spent_tokens() noexcept {}
 
+// ---- own_announcement.hpp
+
+void prepare_own_announcement(bool) noexcept {}
 // Version 3 asks the transport for the addresses, and announces them also for readers and writers.
 void announce_addresses(fast::DomainParticipant& participant, const std::vector<os::Ipv4>&) {
   participant.set_qos(participant.get_qos());
 }
+void announce_again() {}
+void follow_clients() {}
 
-// Not mended
+bool begin_discovery(void* made, void* participant) asm(BEGIN);
+bool begin_discovery(void* made, void* participant) {
+  using Begin = bool(void*, void*);
+  static Begin* const original = replaced<Begin>(BEGIN);
+  discovery = made;
+  return original(made, participant);
+}
+
+void rejoin(PacketFilter& filter, const std::map<wire::ParticipantNumber, std::string>& known, bool) {
+  announce(true);
+  filter.silence = Silence::everywhere;
+  announce(false);
+  std::this_thread::sleep_for(kSilence);
+  for (const auto& [number, name] : known) {
+    rtps::GUID_t other{{}, rtps::c_EntityId_RTPSParticipant};
+    std::copy(number.begin(), number.end(), other.guidPrefix.value);
+    forget_participant(discovery, other);
+  }
+  filter.silence = Silence::none;
+  announce(false);
+}
+
+// ---- soon_repeated.hpp: only the writers of discovery, and all readers get a heartbeat if one misses
+// something
+
+bool create_writer(void* participant, void* made, rtps::WriterAttributes& attributes, void* history,
+                   void* listener, const rtps::EntityId_t& id, bool is_builtin) asm(CREATE_WRITER);
+bool create_writer(void* participant, void* made, rtps::WriterAttributes& attributes, void* history,
+                   void* listener, const rtps::EntityId_t& id, bool is_builtin) {
+  static auto* const original = replaced<decltype(create_writer)>(CREATE_WRITER);
+  if (is_builtin) {
+    attributes.times.heartbeat_period = duration(std::chrono::milliseconds{100});
+    attributes.times.nack_response_delay = duration(std::chrono::milliseconds{10});
+    attributes.times.nack_supression_duration = duration(std::chrono::milliseconds{50});
+  }
+  return original(participant, made, attributes, history, listener, id, is_builtin);
+}
+
+void repeat_lost_messages_soon() noexcept {}
+void heartbeat_answered(const rtps::GUID_t&, const rtps::GUID_t&) {}
+Nanoseconds round_trip_to(const rtps::GuidPrefix_t&) { return Nanoseconds{0}; }
+
+// ---- Not written yet
+
 void announce_once() noexcept {}
 void renew_leases_quietly() noexcept {}
 void keep_messages_short(bool) noexcept {}
 void set_near(const wire::ParticipantNumber&, bool) {}
-void prepare_own_announcement(bool) noexcept {}
-void announce_again() {}
-void follow_clients() {}
-void rejoin(PacketFilter&, bool) {}
-void check_what_readers_receive() noexcept {}
-std::uint64_t refused_by_readers() noexcept { return 0; }
-void limit_resends(std::function<void(const std::string&)>) {}
-std::string obstacle_to(const wire::ParticipantNumber&) { return {}; }
-void send_again_to_returning_readers() noexcept {}
 void reach_server_at(std::optional<NamedServer>) {}
-void repeat_lost_messages_soon() noexcept {}
 
 }  // namespace takt::dds
