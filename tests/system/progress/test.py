@@ -26,9 +26,9 @@ class Progress(takt_system.Case):
         self.assertEqual([], terminal.strange)
 
     def test_takt_simulate_shows_its_progress(self):
-        terminal, run = self.in_terminal("simulate", "cell.xml", "--for", "2000")
-        terminal.wait_for(BAR + r"\d+\.\d of 2000 s simulated, \d+ times real time$")
-        self.ends(terminal, run, "^takt: simulated 2000 s in ")
+        terminal, run = self.in_terminal("simulate", "cell.xml", "--for", "4000")
+        terminal.wait_for(BAR + r"\d+\.\d of 4000 s simulated, \d+ times real time$")
+        self.ends(terminal, run, "^takt: simulated 4000 s in ")
 
     def test_takt_deploy_shows_its_progress(self):
         terminal, run = self.in_terminal("deploy", "cell.xml")
@@ -83,7 +83,7 @@ class Progress(takt_system.Case):
         self.ends(terminal, run, r"^takt play: \d+ samples of ")
 
     def test_takt_prints_no_progress_if_standard_error_is_not_a_terminal(self):
-        run = self.takt("simulate", "cell.xml", "--for", "2000")
+        run = self.takt("simulate", "cell.xml", "--for", "4000")
         self.assertEqual(0, run.status, run.err)
         self.assertNotRegex(run.out + run.err, "[\r\x1b]|times real time$|%  ")
         nodes = self.nodes("robot", "line")

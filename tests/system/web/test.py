@@ -460,14 +460,14 @@ class Web(takt_system.Case):
             page.wait_for("tr[data-module='robot.tuned'] .word", state)
         told = page.texts(".steps li")
         page.select_tab(first)
-        self.assertEqual("EXECUTING", page.states()["robot.tuned"])
+        self.assertRegex(page.states()["robot.tuned"], "EXECUTING$")  # or "lost, was EXECUTING", on a busy machine
         page.show()
         page.wait_for("tr[data-module='robot.tuned'] .word", r"^START \(stopped\)$")
         wait_until(lambda: page.texts(".steps li") == told, "all state changes, including those while the tab was hidden")
         page.select_tab(third)
         page.driver.close()
         page.select_tab(alone)
-        self.assertEqual("EXECUTING", page.states()["robot.tuned"])
+        self.assertRegex(page.states()["robot.tuned"], "EXECUTING$")  # or "lost, was EXECUTING", on a busy machine
         page.show()
         page.wait_for("tr[data-module='robot.tuned'] .word", r"^START \(stopped\)$")
         self.wait_for_viewers(2)
@@ -1166,7 +1166,7 @@ class Web(takt_system.Case):
         # A plot begins with the values that the graph has shown.
         page.go("#/plots?port=robot.source.out")
         page.wait_for(VALUE, r"^\d+$")
-        self.assertLessEqual(int(page.text(".legend-table td[data-label=minimum]")), number)
+        self.assertLessEqual(int(page.wait_for(".legend-table td[data-label=minimum]", r"^\d+$")), number)
         page.go("#/cell")
         page.wait_for(label, r"^\d+ ")
         page.click(".values")
