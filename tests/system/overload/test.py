@@ -28,7 +28,8 @@ class Overload(takt_system.Case):
     def test_the_overrun_policy_decides_whether_missed_releases_are_dropped_or_run_later(self):
         run = self.run_cell(HOG + module("skips", "grid.so", 1, file="skips") +
                             module("all", "grid.so", 2, "<overrun limit=\"1000\">catch-up</overrun>", file="all") +
-                            module("one", "grid.so", 3, "<overrun>catch-up</overrun>", file="one"))
+                            module("one", "grid.so", 3, "<overrun>catch-up</overrun>", file="one"),
+                            seconds="1.6")  # ends between two long runs, so nothing is left to catch up
         self.assertEqual(0, run.status, run.err)
         rows = run.executor("main", "d")
         modules = run.modules("d")

@@ -143,7 +143,7 @@ class Watch(takt_system.Case):
                 terminal.press(DOWN * 3 + UP)
                 self.leave(terminal, run, lambda: terminal.press("q"))
         terminal, run = self.open(rows=24, columns=100)
-        terminal.wait_for(r"^ +program +\* EXECUTING")
+        terminal.wait_for(r"^ +grid +\* EXECUTING")
         self.done("stop robot.grid")
         line = terminal.wait_for(r"^  \d\d:\d\d:\d\d\.\d{3} robot\.grid: EXECUTING -> START")
         terminal.resize(24, len(line) - 5)
