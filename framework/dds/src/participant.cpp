@@ -32,6 +32,7 @@
 #include "workarounds/removed_readers.hpp"
 #include "workarounds/resends.hpp"
 #include "workarounds/returning_readers.hpp"
+#include "workarounds/second_announcement.hpp"
 #include "workarounds/server_address.hpp"
 #include "workarounds/soon_repeated.hpp"
 #include "workarounds/spent_tokens.hpp"
@@ -203,6 +204,9 @@ void set_security(fast::DomainParticipantQos& qos, const security::Identity& ide
   file(access_plugin + "governance", security::kGovernance);
   file(access_plugin + "permissions", security::kPermissions);
   properties.emplace_back("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
+  // Members with Fast DDS 2.9 know only its own names of algorithms; those with Fast DDS 3 know both.
+  for (const std::string& plugin : {identity_plugin, access_plugin})
+    properties.emplace_back(plugin + "transmit_algorithms_as_legacy", "true");
 }
 
 }  // namespace
@@ -244,6 +248,9 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
 
   fast::DomainParticipantQos qos;
   qos.name(options.name.c_str());
+  // All readers and writers know their types. Fast DDS 2.9 sends no descriptions of them unless it is told
+  // to.
+  qos.properties().properties().emplace_back("fastdds.type_propagation", "disabled");
   const auto names = std::make_shared<HostNames>(os::look_up, options.told);
   if (auto set = set_discovery(qos, options.discovery, static_cast<std::uint32_t>(options.domain),
                                **interfaces, names);
@@ -271,7 +278,9 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
     auto listener = std::make_unique<DiscoveryListener>(std::move(*identity), *notices, *filter);
     secured = listener.get();
     others = std::move(listener);
+    prepare_for_old_members();
     filter->look_at_announcements([secured](const wire::Announcement& announcement, const os::Ipv4& from) {
+      is_old_member(announcement.number, !announcement.has_version);
       secured->announced(announcement, from);
     });
     look_at_certificates([secured](const rtps::GuidPrefix_t& peer, const x509_st& certificate) {

@@ -634,6 +634,7 @@ Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
   constexpr std::uint32_t kLease = 0x02;
   constexpr std::uint32_t kName = 0x62;
   constexpr std::uint32_t kIdentity = 0x1001;
+  constexpr std::uint32_t kVersion = 0x8000;  // Fast DDS only
   Announcement found;
   found.number = sender_of(message);
   const auto is_sender = [&](Cursor value) {
@@ -657,6 +658,7 @@ Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
       if (parameter == kLease) found.lease_s = value.u32();
       if ((parameter & ~kMustUnderstand) == kName) found.name = value.text();
       if ((parameter & ~kMustUnderstand) == kIdentity) read_identity(value);
+      if (parameter == kVersion) found.has_version = true;
     });
     const bool again = found.of != Announcement::Of::nobody;
     found.of = from_itself && !again ? Announcement::Of::sender : Announcement::Of::other;

@@ -591,6 +591,12 @@ TEST(Announcement, MustComeFromTheAnnouncedParticipant) {
   EXPECT_EQ(announcement_in(message(0x15, 4, data_head().zeros(4))).of, Of::nobody);
 }
 
+TEST(Announcement, ContainsAVersionIfTheParticipantHasFastDds3) {
+  const Body version = parameter(0x8000, Body{}.u8(3).u8(1).u8(2).u8(0));
+  EXPECT_TRUE(announcement_in(announcement(Body{kSelf}.add(version))).has_version);
+  EXPECT_FALSE(announcement_in(announcement(Body{kSelf}.add(kLease))).has_version);
+}
+
 TEST(Announcement, ContainsTheNameAndTheIdentityOfTheParticipant) {
   const Body identity = Body{}
                             .text("DDS:Auth:PKI-DH:1.0")

@@ -2,6 +2,9 @@
 // says which defects are left.
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
+#include <mutex>
+#include <set>
 #include <thread>
 
 #include <fastdds/rtps/attributes/WriterAttributes.hpp>
@@ -13,6 +16,7 @@
 #include "participant_removal.hpp"
 #include "removed_readers.hpp"
 #include "replaced_function.hpp"
+#include "second_announcement.hpp"
 #include "server_address.hpp"
 #include "soon_repeated.hpp"
 #include "spent_tokens.hpp"
@@ -22,6 +26,12 @@
   TAKT_RTPS                                                                                              \
   "19RTPSParticipantImpl12createWriterEPPNS1_10RTPSWriterERNS1_16WriterAttributesEPNS1_13WriterHistoryE" \
   "PNS1_14WriterListenerERKNS1_10EntityId_tEb"
+#define EXCHANGE_KEYS                                                                                \
+  TAKT_RTPS                                                                                          \
+  "8security15SecurityManager27exchange_participant_cryptoESt10shared_ptrINS2_6HandleEERKNS1_6GUID_" \
+  "tE"
+#define FOUND TAKT_RTPS "9PDPSimple26notifyAboveRemoteEndpointsERKNS1_20ParticipantProxyDataEb"
+#define MATCH TAKT_RTPS "9PDPSimple33assign_low_level_remote_endpointsERKNS1_20ParticipantProxyDataEb"
 
 namespace takt::dds {
 
@@ -36,6 +46,36 @@ void announce(bool leaves) {
   using Announce = void(void* discovery, bool has_changed, bool leaves);
   static Announce* const found = replaced<Announce>(TAKT_RTPS "3PDP24announceParticipantStateEbb");
   found(discovery, true, leaves);
+}
+
+// Participants that have ended leave their number behind. If there are so many, all are forgotten.
+constexpr std::size_t kMostOld = 4096;
+
+std::mutex old_mutex;
+std::set<wire::ParticipantNumber> old_members;
+// The other participant of the authentication that this thread has completed last.
+thread_local wire::ParticipantNumber authenticated{};
+
+using ExchangeKeys = bool(void* manager, void* keys, const rtps::GUID_t& other);
+using Found = void(void* discovery, const void* participant, bool is_authenticated);
+
+ExchangeKeys* exchange_keys_original() noexcept {
+  static ExchangeKeys* const found = replaced<ExchangeKeys>(EXCHANGE_KEYS);
+  return found;
+}
+Found* found_original() noexcept {
+  static Found* const found = replaced<Found>(FOUND);
+  return found;
+}
+/// Matches the readers and writers of discovery with those of a participant.
+Found* match() noexcept {
+  static Found* const found = replaced<Found>(MATCH);
+  return found;
+}
+
+bool is_old(const wire::ParticipantNumber& participant) {
+  const std::lock_guard lock{old_mutex};
+  return old_members.contains(participant);
 }
 
 }  // namespace
@@ -75,6 +115,42 @@ void rejoin(PacketFilter& filter, const std::map<wire::ParticipantNumber, std::s
   }
   filter.silence = Silence::none;
   announce(false);
+}
+
+// ---- second_announcement.hpp
+
+void prepare_for_old_members() noexcept {
+  static_cast<void>(exchange_keys_original());
+  static_cast<void>(found_original());
+  static_cast<void>(match());
+}
+
+void is_old_member(const wire::ParticipantNumber& participant, bool is_old) {
+  const std::lock_guard lock{old_mutex};
+  if (!is_old) {
+    old_members.erase(participant);
+    return;
+  }
+  if (old_members.size() >= kMostOld) old_members.clear();
+  old_members.insert(participant);
+}
+
+ExchangeKeys exchange_keys asm(EXCHANGE_KEYS);
+bool exchange_keys(void* manager, void* keys, const rtps::GUID_t& other) {
+  std::copy_n(other.guidPrefix.value, authenticated.size(), authenticated.begin());
+  return exchange_keys_original()(manager, keys, other);
+}
+
+// Called directly after exchange_keys(), with the data of the announcement. Matches the readers and writers
+// for the second announcement. An old member sends none, so this function does the rest at once: first as for
+// a participant without DDS Security, then the readers and writers of encrypted discovery. Anybody may have
+// sent the announcement without a version, so a member that is not old must be found, too.
+Found found_participant asm(FOUND);
+void found_participant(void* discovery, const void* participant, bool is_authenticated) {
+  found_original()(discovery, participant, is_authenticated);
+  if (!is_authenticated || !is_old(authenticated)) return;
+  found_original()(discovery, participant, false);
+  match()(discovery, participant, true);
 }
 
 // ---- soon_repeated.hpp: only the writers of discovery, and all readers get a heartbeat if one misses

@@ -65,6 +65,7 @@ struct Announcement {
   /// The identity that the participant claims, such as "/O=cell/OU=device/CN=robot"; empty: none.
   std::string_view subject{};
   std::string_view authority{};  ///< who issued this identity
+  bool has_version = false;      ///< contains a version of Fast DDS, as those of Fast DDS 3 do
 };
 
 /// Returns which participant a message announces. Requires that is_protected_rtps() returned true for the
