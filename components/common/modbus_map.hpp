@@ -89,7 +89,7 @@ inline bool is_name(std::string_view text) {
 }
 
 /// Returns true if `c` is a control character.
-inline bool is_control(char c) { return (c >= 0 && c < ' ') || c == 0x7f; }
+inline bool is_control(char c) { return static_cast<unsigned char>(c) < ' ' || c == 0x7f; }
 
 /// Converts the text to a number. Returns nothing if the text is not exactly one number.
 template <class T>

@@ -53,15 +53,4 @@ StatisticsSnapshot Statistics::read() const noexcept {
   return snapshot;
 }
 
-void Statistics::clear() noexcept {
-  constexpr auto relaxed = std::memory_order_relaxed;
-  count_.store(0, relaxed);
-  sum_.store(0, relaxed);
-  sum_of_squares_.store(0, relaxed);
-  min_.store(0, relaxed);
-  max_.store(0, relaxed);
-  for (auto& bucket : buckets_) bucket.store(0, relaxed);
-  sequence_.store((sequence_.load(relaxed) + 2) & ~std::uint64_t{1}, std::memory_order_release);
-}
-
 }  // namespace takt

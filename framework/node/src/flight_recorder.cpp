@@ -239,8 +239,8 @@ void FlightRecorder::work() {
         const channel::Activity& activity = t == 0 ? block.row : block.sporadic;
         const std::uint32_t module = activity.module.load(std::memory_order_acquire);
         flight::Open open{.module = module - 1,
-                          .doing = activity.doing.load(std::memory_order_relaxed),
-                          .since_ns = activity.since_ns.load(std::memory_order_relaxed),
+                          .doing = activity.doing.load(std::memory_order_acquire),
+                          .since_ns = activity.since_ns.load(std::memory_order_acquire),
                           .seen_ns = to_ns(os::now())};
         if (module != 0 && activity.module.load(std::memory_order_relaxed) == module)
           thread.open.push_back(open);

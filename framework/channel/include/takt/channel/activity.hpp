@@ -34,8 +34,8 @@ struct Activity {
   /// Records that this thread enters a hook of module `index`. Writes `since_ns` first, so that a reader
   /// never sees a new module with an old time. A real-time thread may call it.
   void begin(std::uint32_t index, Doing what, std::int64_t now_ns) noexcept {
-    since_ns.store(now_ns, std::memory_order_relaxed);
-    doing.store(what, std::memory_order_relaxed);
+    since_ns.store(now_ns, std::memory_order_release);  // after end() of the activity before
+    doing.store(what, std::memory_order_release);
     module.store(index + 1, std::memory_order_release);  // after the stores above
   }
   /// Does the same as begin(), for a thread that checks afterwards whether the module is still in the tables.

@@ -463,7 +463,9 @@ class BasicLinkWriter {
     head.stamp_ns = stamp_ns;
     head.size = size;
     head.sequence.store(sequence_, relaxed);
-    head.valid_ns.store(valid_ns, relaxed);
+    // A reader that sees this value in take() also sees that the sample that was in this buffer has left its
+    // slot.
+    head.valid_ns.store(valid_ns, std::memory_order_release);
     auto& slot = link_.slot(place_);
     const std::uint64_t mine = SlotWord::make(true, sequence_, private_);
     std::uint64_t old = slot.load(std::memory_order_acquire);
@@ -474,7 +476,9 @@ class BasicLinkWriter {
       block.writer_takes.store(SlotWord::make(false, sequence_, SlotWord::index(old)),
                                std::memory_order_release);
     } while (!slot.compare_exchange_strong(old, mine, std::memory_order_seq_cst, std::memory_order_acquire));
-    // From now on, the writer has the buffer of `old`, and the reader may take the sample.
+    // From now on, the writer has the buffer of `old`, and the reader may take the sample. The exchange is
+    // sequentially consistent, because the writer then loads whether the reader sleeps (WakeBits::note()),
+    // and the reader announces its sleep and then calls news_at().
     private_ = SlotWord::index(old);
     block.writer_has.store(private_, std::memory_order_release);
     if (SlotWord::full(old)) block.overwritten.store(block.overwritten.load(relaxed) + 1, relaxed);

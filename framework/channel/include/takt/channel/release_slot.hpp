@@ -34,9 +34,9 @@ using PageGap = std::array<std::byte, 64 * 1024>;
 /// directly, so they depend on this layout.
 struct WakeBits {
   std::uint32_t unused;
-  /// The bits to wake at the end of the cycle, because a sample was written for a sleeping reader. The thread
-  /// that wrote the sample takes the bits with take_pending() at the end of its cycle, and wakes their
-  /// readers.
+  /// The bits to wake at the end of the cycle, because a sample was written for a sleeping reader. At the end
+  /// of its cycle, each thread that writes samples takes all bits with take_pending(), also those of other
+  /// threads, and wakes their readers.
   std::atomic<std::uint32_t> pending;
   /// One bit for each gateway (there is one per DDS domain) that sleeps or is about to sleep. A sample for a
   /// gateway needs a wake-up only if the gateway's bit is set. The gateway sets its bit before it checks for
@@ -193,11 +193,13 @@ inline Release release(ReleaseSlot& slot, std::uint64_t cycle, std::int64_t rele
     const std::uint32_t pending = count - 2 - slot.done.load(std::memory_order_acquire);
     // If the body ends before the store below, the program still serves the newest releases, including this
     // one.
+    // The program may be in take(). If it sees a cycle number stored here, it also sees in `released` that
+    // another release arrived.
     if (pending >= slot.catch_up && pending < kMaxPending) {
-      slot.cycles[(count - 1) % 2].store(cycle, std::memory_order_relaxed);
+      slot.cycles[(count - 1) % 2].store(cycle, std::memory_order_release);
       return Release::busy;
     }
-    slot.cycles[count % 2].store(cycle, std::memory_order_relaxed);
+    slot.cycles[count % 2].store(cycle, std::memory_order_release);
     slot.release_ns.store(release_ns, std::memory_order_relaxed);
     slot.released.store(count, std::memory_order_seq_cst);
     return slot.sleeping.load(std::memory_order_seq_cst) != 0 ? Release::wake : Release::pending;
@@ -257,7 +259,8 @@ inline Taken take(const ReleaseSlot& slot, std::uint32_t done) noexcept {
 /// in the tables. A real-time thread may call it.
 inline bool begin(ReleaseSlot& slot, std::int64_t now_ns) noexcept {
   constexpr auto relaxed = std::memory_order_relaxed;
-  if (slot.open.load(relaxed) == 0) return false;
+  // If the module has just been put into the tables, the program also sees their T0.
+  if (slot.open.load(std::memory_order_acquire) == 0) return false;
   // The release gets the cycle number of the next row, as if that row had released the program.
   const std::int64_t since_t0 = now_ns - slot.t0_ns.load(relaxed);
   const bool rows = slot.period_ns > 0 && since_t0 > 0;

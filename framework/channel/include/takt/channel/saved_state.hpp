@@ -80,11 +80,12 @@ struct alignas(64) SavedState {
 
  private:
   static constexpr std::uint32_t kWord = sizeof(std::uint64_t);
-  // These accesses are atomic, because the module may save while copy() reads. copy() then detects the save
-  // and begins again.
+  // These accesses are atomic, because the module may save while copy() reads. Each store is a release store,
+  // so a reader that sees a part of a save also sees in `whole` that the save before it is complete. copy()
+  // then begins again.
   template <class T>
   static void put(T& to, T value) noexcept {
-    std::atomic_ref{to}.store(value, std::memory_order_relaxed);
+    std::atomic_ref{to}.store(value, std::memory_order_release);
   }
   template <class T>
   static T get(T& from) noexcept {

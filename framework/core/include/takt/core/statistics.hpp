@@ -53,10 +53,6 @@ class Statistics {
   /// during an update; then the result may lack a part of the last value.
   [[nodiscard]] StatisticsSnapshot read() const noexcept;
 
-  /// Removes all values. Only the writing thread may call clear(). After that thread has ended, any thread
-  /// may call it.
-  void clear() noexcept;
-
  private:
   template <class T>
   using Word = std::atomic<T>;
@@ -84,7 +80,8 @@ inline void Statistics::record(std::int64_t value_ns) noexcept {
   const auto add = [](auto& word, auto value) { word.store(word.load(relaxed) + value, release); };
 
   const std::int64_t size = value_ns < 0 ? -value_ns : value_ns;
-  const std::uint64_t sequence = sequence_.load(relaxed);
+  // Odd if the former writer died during an update.
+  const std::uint64_t sequence = sequence_.load(relaxed) & ~std::uint64_t{1};
   // All stores below are release stores, and read() uses acquire loads. So a reader that sees one of the new
   // values also sees the odd sequence number.
   sequence_.store(sequence + 1, relaxed);
