@@ -280,7 +280,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
     others = std::move(listener);
     prepare_for_old_members();
     filter->look_at_announcements([secured](const wire::Announcement& announcement, const os::Ipv4& from) {
-      is_old_member(announcement.number, !announcement.has_version);
+      note_member(announcement.number, !announcement.has_version);
       secured->announced(announcement, from);
     });
     look_at_certificates([secured](const rtps::GuidPrefix_t& peer, const x509_st& certificate) {

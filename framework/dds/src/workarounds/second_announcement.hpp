@@ -11,14 +11,14 @@ namespace takt::dds {
 
 #if TAKT_FASTDDS == 2
 inline void prepare_for_old_members() noexcept {}
-inline void is_old_member(const wire::ParticipantNumber&, bool) {}
+inline void note_member(const wire::ParticipantNumber&, bool) {}
 #else
 /// Finds the functions of Fast DDS that version_3.cpp replaces for members with Fast DDS 2.9; ends the
 /// process if one is missing. Call this function before the participant of this process is created.
 void prepare_for_old_members() noexcept;
 /// Sets whether a participant announces itself only once. Call this function for each announcement, before
 /// Fast DDS handles it.
-void is_old_member(const wire::ParticipantNumber& participant, bool is_old);
+void note_member(const wire::ParticipantNumber& participant, bool is_old);
 #endif
 
 }  // namespace takt::dds

@@ -125,7 +125,7 @@ void prepare_for_old_members() noexcept {
   static_cast<void>(match());
 }
 
-void is_old_member(const wire::ParticipantNumber& participant, bool is_old) {
+void note_member(const wire::ParticipantNumber& participant, bool is_old) {
   const std::lock_guard lock{old_mutex};
   if (!is_old) {
     old_members.erase(participant);
