@@ -164,7 +164,7 @@ void DiscoveryListener::announced(const wire::Announcement& announcement, const 
                      .authority = std::string{announcement.authority}};
   }
   // Report a participant whose identity another authority has issued. If such a participant starts the
-  // authentication and rejects this process, Fast DDS reports nothing, or reports it only after 14 s.
+  // authentication and rejects this process, Fast DDS reports nothing.
   if (!announcement.authority.empty() && announcement.authority != mine_.authority) report_rejected(prefix);
 }
 

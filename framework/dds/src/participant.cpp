@@ -198,6 +198,12 @@ void set_security(fast::DomainParticipantQos& qos, const security::Identity& ide
   file(identity_plugin + "identity_certificate", security::kCertificate);
   file(identity_plugin + "private_key", security::kPrivateKey);
   file(identity_plugin + "identity_crl", security::kRevoked);
+  // Fast DDS 3 would send an authentication message ten times, more and more slowly, and then report that it
+  // rejects the other participant, which may only have ended. Version 2.9 sends it until it is answered
+  // (soon_repeated.hpp).
+  properties.emplace_back(identity_plugin + "initial_handshake_resend_period", "200");  // ms
+  properties.emplace_back(identity_plugin + "handshake_resend_period_gain", "1");
+  properties.emplace_back(identity_plugin + "max_handshake_requests", "2147483647");
   const std::string access_plugin = "dds.sec.access.builtin.Access-Permissions.";
   properties.emplace_back("dds.sec.access.plugin", "builtin.Access-Permissions");
   file(access_plugin + "permissions_ca", security::kAccessAuthority);
