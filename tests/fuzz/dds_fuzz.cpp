@@ -69,21 +69,19 @@ extern "C" const char* __asan_default_options() {
   return "new_delete_type_mismatch=0:quarantine_size_mb=64:detect_leaks=0";
 }
 
-namespace eprosima::fastrtps::rtps {
-
-// Handles the packets of one port. Fast DDS does not install the header of this class.
-class ReceiverResource {
- public:
-  void OnDataReceived(const octet* bytes, std::uint32_t size, const Locator_t& port, const Locator_t& from);
-};
-
-}  // namespace eprosima::fastrtps::rtps
-
 namespace fuzz {
-namespace {
 
 namespace dds = takt::dds;
-namespace rtps = eprosima::fastrtps::rtps;
+namespace rtps = takt::dds::rtps;
+
+// Handles a packet for the object that receives the packets of one port.
+#define RECEIVE TAKT_RTPS "16ReceiverResource14OnDataReceivedEPKhjRKNS1_9Locator_tES7_"
+using Receive = void(void* receiver, const rtps::octet*, std::uint32_t, const rtps::Locator_t& port,
+                     const rtps::Locator_t& from);
+Receive receive asm(RECEIVE);
+
+namespace {
+
 using namespace std::chrono_literals;
 
 constexpr std::size_t kBatch = 1000;
@@ -137,16 +135,13 @@ std::mutex handling;  // Fast DDS handles one packet at a time: one of the fuzze
 std::mutex ports_mutex;
 std::condition_variable port_found;
 struct Port {
-  rtps::ReceiverResource* receiver = nullptr;
+  void* receiver = nullptr;
   rtps::Locator_t locator;
 };
 std::map<std::uint32_t, Port> open_ports;
 
-using Receive = void(rtps::ReceiverResource*, const rtps::octet*, std::uint32_t, const rtps::Locator_t&,
-                     const rtps::Locator_t&);
 Receive* original() {
-  static Receive* const found = dds::replaced<Receive>(
-      "_ZN8eprosima8fastrtps4rtps16ReceiverResource14OnDataReceivedEPKhjRKNS1_9Locator_tES7_");
+  static Receive* const found = dds::replaced<Receive>(RECEIVE);
   return found;
 }
 
@@ -699,22 +694,19 @@ int run(const Wanted& wanted) {
 }
 
 }  // namespace
-}  // namespace fuzz
 
-namespace eprosima::fastrtps::rtps {
-
-void ReceiverResource::OnDataReceived(const octet* bytes, std::uint32_t size, const Locator_t& port,
-                                      const Locator_t& from) {
+void receive(void* receiver, const rtps::octet* bytes, std::uint32_t size, const rtps::Locator_t& port,
+             const rtps::Locator_t& from) {
   {
-    const std::lock_guard lock{fuzz::ports_mutex};
-    fuzz::open_ports[port.port] = {this, port};
-    fuzz::port_found.notify_all();
+    const std::lock_guard lock{ports_mutex};
+    open_ports[port.port] = {receiver, port};
+    port_found.notify_all();
   }
-  const std::lock_guard lock{fuzz::handling};
-  fuzz::original()(this, bytes, size, port, from);
+  const std::lock_guard lock{handling};
+  original()(receiver, bytes, size, port, from);
 }
 
-}  // namespace eprosima::fastrtps::rtps
+}  // namespace fuzz
 
 int main(int count, char** words) {
   fuzz::Wanted wanted;

@@ -134,10 +134,10 @@ Result<CellDevices> devices_of(Operator& sender, const std::string& cell) {
   if (!unanswered.empty()) return unanswered;
   whole.insert(first.begin(), first.end());
   observer.wait(
-      [&, &deployment = deployment](const std::vector<wire::ObservedDevice>& seen) {
+      [&, &id = deployment](const std::vector<wire::ObservedDevice>& seen) {
         std::set<std::string> known;
         for (const wire::ObservedDevice& one : seen) known.insert(one.node());
-        const CellDevices sorted = sort_devices(seen, deployment, whole);
+        const CellDevices sorted = sort_devices(seen, id, whole);
         return std::includes(known.begin(), known.end(), nodes.begin(), nodes.end()) &&
                std::includes(lost.begin(), lost.end(), sorted.lost.begin(), sorted.lost.end());
       },

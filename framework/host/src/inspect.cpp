@@ -489,7 +489,7 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
   for (const auto& [path, uses] : thread_modules) {
     auto text = os::in_child(
         "loading " + path,
-        [&path = path, &uses = uses, &cell] { return model::json_text(check_uses(path, cell, uses)); },
+        [&file = path, &by = uses, &cell] { return model::json_text(check_uses(file, cell, by)); },
         kLimit);
     const json answer = text ? model::parse_json(*text) : json{};
     for (std::size_t i = 0; i < uses.size(); ++i) {

@@ -156,8 +156,8 @@ class Recorder {
         continue;
       }
       if (std::none_of(options_.ports.begin(), options_.ports.end(),
-                       [&name = name](const std::string& pattern) {
-                         return client::is_pattern(pattern) && client::may_match(pattern, name);
+                       [&of = name](const std::string& pattern) {
+                         return client::is_pattern(pattern) && client::may_match(pattern, of);
                        }))
         continue;
       requests.push_back({.kind = COMMAND_REPORT, .device = name, .limit = kAnswered});

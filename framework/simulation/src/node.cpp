@@ -308,7 +308,7 @@ void Node::hear(const DeviceStatus& status, std::uint32_t from, wire::WriterId w
   // A node gives the states of its modules to each node that it finds.
   if (heard_.count(writer) == 0) {
     for (const auto& [path, module] : modules_)
-      tell(from, true, [module = module](Node& node) { node.agent_->others().receive(module); });
+      tell(from, true, [state = module](Node& node) { node.agent_->others().receive(state); });
   }
   heard_[writer] = {.node = status.node().to_string(),
                     .at = now(),
