@@ -15,12 +15,6 @@ namespace {
 
 constexpr std::size_t kMostSeen = 4096;
 
-wire::ParticipantNumber number_in(const rtps::GuidPrefix_t& prefix) {
-  wire::ParticipantNumber number{};
-  std::copy(std::begin(prefix.value), std::end(prefix.value), number.begin());
-  return number;
-}
-
 }  // namespace
 
 std::optional<security::Subject> announced_subject(std::string_view text) {

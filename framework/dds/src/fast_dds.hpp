@@ -4,6 +4,7 @@
 // TAKT_FASTDDS is the major version of Fast DDS, from cmake/TaktWire.cmake.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -49,6 +50,7 @@
 #include <fastdds/rtps/common/LocatorSelector.hpp>
 
 #include <takt/core/time.hpp>
+#include <takt/wire/rtps.hpp>
 
 namespace takt::dds {
 
@@ -82,6 +84,12 @@ inline void turn_off_intraprocess_delivery() {
   settings.intraprocess_delivery = eprosima::fastdds::INTRAPROCESS_OFF;
   fast::DomainParticipantFactory::get_instance()->set_library_settings(settings);
 #endif
+}
+
+inline wire::ParticipantNumber number_in(const rtps::GuidPrefix_t& prefix) {
+  wire::ParticipantNumber number{};
+  std::copy_n(prefix.value, number.size(), number.begin());
+  return number;
 }
 
 /// Makes a participant a client of the discovery server with this GUID prefix at this locator.

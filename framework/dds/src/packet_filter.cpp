@@ -41,11 +41,17 @@ void PacketFilter::pass(std::span<std::uint8_t> packet, const Arrival& arrival,
       if (look_) look_(announcement, from);
     }
   }
+  if (!arrival.here) heard_from_afar();
   wire::skip_unused_parameters(packet);
   sender_of_this_packet = from;
   // Fast DDS must not handle two announcements of a participant at once; see participant_removal.hpp.
   if (wire::concerns_participants(packet)) {
     set_near(wire::sender_of(packet), arrival.here);
+    if (server_) {
+      const auto addresses =
+          wire::replace_addresses(packet, server_->number, server_->placeholder, server_->port);
+      if (!addresses.empty()) server_->announced(addresses);
+    }
     receive_lock.handle_alone([&] { handle(readable); });
   } else {
     const bool is_readable = secured_ || !wire::is_protected_rtps(packet);

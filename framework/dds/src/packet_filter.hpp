@@ -14,6 +14,7 @@
 #include <set>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include <takt/core/time.hpp>
 #include <takt/os/network.hpp>
@@ -32,6 +33,14 @@ struct Arrival {
   os::Ipv4 from{};
   bool here = false;      ///< it comes from this machine
   bool in_group = false;  ///< it was sent to a multicast group
+};
+
+/// A discovery server that is given by name.
+struct NamedServer {
+  wire::ParticipantNumber number;
+  os::Ipv4 placeholder;  ///< see HostNames
+  std::uint16_t port;
+  std::function<void(const std::vector<os::Ipv4>&)> announced;  ///< called with each announcement's addresses
 };
 
 /// The filter of the process's participant. Any thread may call its functions.
@@ -56,6 +65,14 @@ class PacketFilter {
   void look_at_announcements(std::function<void(const wire::Announcement&, const os::Ipv4&)> look) {
     look_ = std::move(look);
   }
+  /// Lets Fast DDS send all discovery messages for this server to its placeholder, whatever addresses it
+  /// announces. Call this function before packets arrive.
+  ///
+  /// A client of Fast DDS announces itself to the address of the server that it was given, but acknowledges
+  /// and requests at the addresses that the server announced last. If the server's machine gets another
+  /// address, or if the server is started again on another machine, the client learns the new addresses from
+  /// the server, but does not use them.
+  void follow(NamedServer server) { server_ = std::move(server); }
   /// From now on, drops every packet of this participant, also its announcements.
   void reject(const wire::ParticipantNumber& participant);
 
@@ -79,6 +96,7 @@ class PacketFilter {
   wire::Notices& notices_;
   const bool secured_;
   std::function<void(const wire::Announcement&, const os::Ipv4&)> look_;
+  std::optional<NamedServer> server_;
   mutable std::mutex mutex_;
   std::map<wire::ParticipantNumber, Instant> last_messages_;
   std::set<wire::ParticipantNumber> rejected_;  // a new process has another number, so none is removed

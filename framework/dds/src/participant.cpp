@@ -20,7 +20,6 @@
 #include "discovery_listener.hpp"
 #include "inside.hpp"
 #include "log.hpp"
-#include "workarounds/announced_once.hpp"
 #include "workarounds/deferred_timers.hpp"
 #include "workarounds/heartbeats.hpp"
 #include "workarounds/leases.hpp"
@@ -33,7 +32,6 @@
 #include "workarounds/resends.hpp"
 #include "workarounds/returning_readers.hpp"
 #include "workarounds/second_announcement.hpp"
-#include "workarounds/server_address.hpp"
 #include "workarounds/soon_repeated.hpp"
 #include "workarounds/spent_tokens.hpp"
 #include "workarounds/unmatched_writers.hpp"
@@ -75,7 +73,7 @@ rtps::Locator_t locator(const os::Ipv4& address, std::uint32_t port) {
 
 /// Sets how the participant finds others. Adds the names of other machines to `names`.
 Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discovery& discovery,
-                           std::uint32_t domain, const Interfaces& interfaces,
+                           std::uint32_t domain, const Interfaces& interfaces, PacketFilter& filter,
                            const std::shared_ptr<HostNames>& names) {
   auto& builtin = qos.wire_protocol().builtin;
   auto& config = builtin.discovery_config;
@@ -86,7 +84,6 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
   // is twice as long as the one before (own_announcement.cpp).
   config.initial_announcements.count = 5;
   config.initial_announcements.period = {0, 20'000'000};
-  reach_server_at({});
   switch (discovery.kind) {
     case model::Discovery::Kind::multicast:
       break;
@@ -122,11 +119,12 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
         const os::Ipv4 address = names->add("discovery server", host);
         use_server(config, prefix, locator(address, port));
         if (HostNames::is_placeholder(address))
-          reach_server_at(NamedServer{.prefix = prefix,
-                                      .locator = locator(address, port),
-                                      .announced = [names, address](const std::vector<os::Ipv4>& addresses) {
-                                        names->announced(address, addresses);
-                                      }});
+          filter.follow({.number = number_in(prefix),
+                         .placeholder = address,
+                         .port = static_cast<std::uint16_t>(port),
+                         .announced = [names, address](const std::vector<os::Ipv4>& addresses) {
+                           names->announced(address, addresses);
+                         }});
       }
       break;
     }
@@ -246,7 +244,6 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   prepare_own_announcement(options.security.empty());
   prepare_heartbeats();
   renew_leases_quietly();
-  announce_once();
   defer_deletion_of_timers();
   keep_messages_short(!options.security.empty());
   log_to_standard_error();
@@ -258,14 +255,14 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   // to.
   qos.properties().properties().emplace_back("fastdds.type_propagation", "disabled");
   const auto names = std::make_shared<HostNames>(os::look_up, options.told);
+  auto notices = std::make_unique<wire::Notices>(options.refused);
+  auto filter = std::make_shared<PacketFilter>(*notices, !options.security.empty());
   if (auto set = set_discovery(qos, options.discovery, static_cast<std::uint32_t>(options.domain),
-                               **interfaces, names);
+                               **interfaces, *filter, names);
       !set)
     return refuse(set.problems());
   // Without DDS Security, a discovery message for several participants is sent once, to the multicast group.
   qos.wire_protocol().builtin.avoid_builtin_multicast = !options.security.empty();
-  auto notices = std::make_unique<wire::Notices>(options.refused);
-  auto filter = std::make_shared<PacketFilter>(*notices, !options.security.empty());
   pause_during_removals(filter->receive_lock);
   auto unreached = std::make_unique<wire::Notices>(options.unreached);
   limit_resends([to = unreached.get()](const std::string& text) { to->tell(text); });

@@ -9,7 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include <takt/core/time.hpp>
+#include <takt/os/clock.hpp>
 #include <takt/os/udp_socket.hpp>
+#include <takt/wire/rtps.hpp>
 
 namespace takt::dds {
 
@@ -25,6 +28,8 @@ using rtps::octet;
 /// The number of participants for which Fast DDS searches on a peer, a machine of which only the address is
 /// known.
 constexpr std::uint32_t kPeerParticipants = 40;
+/// Fast DDS repeats an announcement after 20 ms or later.
+constexpr Nanoseconds kAtOnce = std::chrono::milliseconds{10};
 constexpr std::size_t kReceiveBuffer = 4 * 1024 * 1024;
 
 /// Returns the message without the empty statistics submessage of 60 bytes that Fast DDS appends to each
@@ -276,6 +281,7 @@ class UdpTransport final : public Transport {
       const auto way = way_to(end.address);
       return out_[socket_to(end.address)].send(bytes, end, way ? &*way : nullptr);
     }
+    if (was_just_sent(bytes)) return true;
     bool sent = true;
     // The kernel also gives a packet to those on this machine that receive the group on the same interface.
     os::UdpSocket& out = out_[filter_.is_silent(true) ? kOnlyOut : kGroups];
@@ -283,6 +289,19 @@ class UdpTransport final : public Transport {
       if (!filter_.is_silent(each.loopback)) sent &= out.send(bytes, end, &each);
     }
     return sent;
+  }
+
+  // Fast DDS sends an announcement to the addresses of all known participants, and then at once to those at
+  // which unknown ones may be. With multicast, both are the same group.
+  static bool was_just_sent(std::span<const std::uint8_t> announcement) {
+    thread_local std::vector<std::uint8_t> last;
+    thread_local Instant last_at{};
+    if (!wire::concerns_participants(announcement)) return false;
+    const Instant now = os::now();
+    if (now - last_at < kAtOnce && std::ranges::equal(announcement, last)) return true;
+    last.assign(announcement.begin(), announcement.end());
+    last_at = now;
+    return false;
   }
 
   // Without a list of interfaces to use, the kernel's routes decide.

@@ -271,10 +271,22 @@ void check_parameters(Cursor& list) noexcept {
   check_parameters(list, [](std::uint32_t, const Cursor&) {});
 }
 
+/// Returns the part of a message that `value` has not read yet.
+std::span<std::uint8_t> part_of(std::span<std::uint8_t> message, Cursor value) noexcept {
+  return message.subspan(static_cast<std::size_t>(value.bytes(0).data() - message.data()), value.left());
+}
+
+/// Makes Fast DDS skip a parameter of a message.
+void skip_parameter(std::span<std::uint8_t> message, const Cursor& value) noexcept {
+  const std::size_t begin = static_cast<std::size_t>(part_of(message, value).data() - message.data()) - 4;
+  message[begin] = message[begin + 1] = kPad;
+}
+
 // ---- Submessages
 
 constexpr std::uint32_t kParticipants = 0x000100c2;  // entity id of the writer of participant announcements
 constexpr std::uint32_t kParticipantGuid = 0x50;     // parameter that names a participant
+constexpr std::uint32_t kDiscoveryAddress = 0x32;    // parameter with a unicast locator for discovery
 constexpr std::uint32_t kKeyHash = 0x70;  // parameter with the key of a sample, for participants the GUID
 constexpr std::uint32_t kProofs = 0x000201c3;  // entity id of the writer of authentication messages
 constexpr std::uint32_t kMostProof = 65535;    // largest size of an authentication message, in bytes
@@ -284,6 +296,8 @@ constexpr std::uint32_t kMostProof = 65535;    // largest size of an authenticat
 bool discovers(std::uint32_t writer) noexcept {
   return writer == kParticipants || writer == 0x000002c2 || writer == 0x000003c2 || writer == 0x000004c2;
 }
+
+bool announces_participants(std::uint32_t writer) noexcept { return writer == kParticipants; }
 
 constexpr std::uint8_t kLittle = 1;
 constexpr std::uint8_t kInlineQos = 2;
@@ -573,11 +587,38 @@ bool is_readable_proof(std::span<const std::uint8_t> content, IsCertificate is_c
 void skip_unused_parameters(std::span<std::uint8_t> message) noexcept {
   for_each_list(message, discovers, [&](Cursor list) {
     check_parameters(list, [&](std::uint32_t parameter, Cursor value) {
-      if (!is_unused(parameter)) return;
-      const std::size_t begin = static_cast<std::size_t>(value.bytes(0).data() - message.data()) - 4;
-      message[begin] = message[begin + 1] = kPad;
+      if (is_unused(parameter)) skip_parameter(message, value);
     });
   });
+}
+
+std::vector<std::array<std::uint8_t, 4>> replace_addresses(std::span<std::uint8_t> message,
+                                                           const ParticipantNumber& participant,
+                                                           const std::array<std::uint8_t, 4>& address,
+                                                           std::uint16_t port) {
+  constexpr std::uint32_t kUdpV4 = 1;
+  constexpr std::size_t kPort = 4;      // where the port is in a locator
+  constexpr std::size_t kAddress = 20;  // where the IPv4 address is
+  std::vector<std::array<std::uint8_t, 4>> addresses;
+  for_each_list(message, announces_participants, [&](Cursor list) {
+    bool is_announced = false;
+    Cursor again = list;
+    check_parameters(list, [&](std::uint32_t parameter, Cursor value) {
+      if (parameter == kParticipantGuid)
+        is_announced = std::ranges::equal(value.bytes(participant.size()), participant);
+    });
+    if (!is_announced) return;
+    check_parameters(again, [&](std::uint32_t parameter, Cursor value) {
+      if (parameter != kDiscoveryAddress || Cursor{value}.u32() != kUdpV4) return;
+      const std::span<std::uint8_t> locator = part_of(message, value);
+      std::ranges::copy(locator.subspan(kAddress), addresses.emplace_back().begin());
+      if (addresses.size() > 1) return skip_parameter(message, value);
+      for (std::size_t i = 0; i < 4; ++i)
+        locator[kPort + i] = static_cast<std::uint8_t>(port >> 8U * (list.little() ? i : 3 - i));
+      std::ranges::copy(address, locator.begin() + kAddress);
+    });
+  });
+  return addresses;
 }
 
 bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept {
@@ -649,8 +690,7 @@ Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
       if (property == "dds.ca.sn") found.authority = value;
     }
   };
-  const auto is_announcer = [](std::uint32_t writer) { return writer == kParticipants; };
-  for_each_list(message, is_announcer, [&](Cursor list) {
+  for_each_list(message, announces_participants, [&](Cursor list) {
     bool from_itself = true;
     check_parameters(list, [&](std::uint32_t parameter, Cursor value) {
       if (parameter == kParticipantGuid || parameter == kKeyHash)

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 #include <string>
 #include <vector>
@@ -589,6 +590,49 @@ TEST(Announcement, MustComeFromTheAnnouncedParticipant) {
   EXPECT_EQ(announcement_in(two).of, Of::other) << "two announcements";
   EXPECT_EQ(announcement_in(header()).of, Of::nobody);
   EXPECT_EQ(announcement_in(message(0x15, 4, data_head().zeros(4))).of, Of::nobody);
+}
+
+// A discovery server passes on the announcements of others in the same message.
+TEST(Announcement, AnnouncesOnlyTheAddressThatReplacesThoseOfItsParticipant) {
+  using Address = std::array<std::uint8_t, 4>;
+  const auto at = [](std::uint32_t kind, std::uint32_t port, const Address& address,
+                     std::uint32_t which = 0x32) {
+    Body locator = Body{}.u32(kind).u32(port).zeros(12);
+    for (const std::uint8_t each : address) locator.u8(each);
+    return parameter(which, locator);
+  };
+  const Address first{10, 0, 0, 1};
+  const Address second{10, 0, 0, 2};
+  const Address group{239, 255, 0, 1};
+  const Body around = Body{at(1, 7400, group, 0x33)}.add(at(2, 7410, first)).add(at(1, 7411, first, 0x31));
+  const auto announced = [&](const Body& guid, const Body& addresses) {
+    return announcement(Body{guid}.add(around).add(addresses).add(kLease));
+  };
+  ParticipantNumber server{};  // that of kGuid
+  server.back() = 1;
+  const Body other = parameter(0x50, Body{}.zeros(11).u8(2).id(0x1c1));
+  const Body before = Body{at(1, 11811, first)}.add(at(1, 11812, second));
+  Bytes sent = announced(kGuid, before);
+  Bytes expected = announced(kGuid, Body{at(1, 4660, {240, 0, 0, 1})}.add(at(1, 11812, second, 0)));
+  append(sent, 0x15, discovery(Body{other}.add(before), kSpdpWriter), 4);
+  append(expected, 0x15, discovery(Body{other}.add(before), kSpdpWriter), 4);
+  ASSERT_TRUE(is_rtps(sent));
+  EXPECT_EQ(replace_addresses(sent, server, {240, 0, 0, 1}, 4660), (std::vector{first, second}));
+  EXPECT_EQ(sent, expected);
+
+  Bytes others = announced(other, before);
+  EXPECT_TRUE(replace_addresses(others, server, {240, 0, 0, 1}, 4660).empty());
+  EXPECT_EQ(others, announced(other, before));
+
+  const auto reversed = [&](const Body& locator) {
+    const Body list =
+        Body{}.u8(0).u8(0x50).u8(0).u8(16).zeros(11).u8(1).id(0x1c1).u8(0).u8(0x32).u8(0).u8(24).add(locator);
+    return message(0x15, 4, data_head(kSpdpWriter).u8(0).u8(2).u16(0).add(list).u8(0).u8(1).u16(0));
+  };
+  sent = reversed(Body{}.id(1).id(11811).zeros(12).id(0x0a000001));
+  ASSERT_TRUE(is_rtps(sent));
+  EXPECT_EQ(replace_addresses(sent, server, {240, 0, 0, 1}, 4660), std::vector{first});
+  EXPECT_EQ(sent, reversed(Body{}.id(1).id(4660).zeros(12).id(0xf0000001)));
 }
 
 TEST(Announcement, ContainsAVersionIfTheParticipantHasFastDds3) {

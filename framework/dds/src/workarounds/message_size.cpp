@@ -2,20 +2,32 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <mutex>
 #include <set>
 #include <vector>
 
+#include <takt/core/time.hpp>
+#include <takt/os/clock.hpp>
+#include "replaced_function.hpp"
+
+#if TAKT_FASTDDS == 2
 #include <fastdds/rtps/common/CDRMessage_t.h>
 #include <fastdds/rtps/history/WriterHistory.h>
 #include <fastdds/rtps/messages/RTPSMessageGroup.h>
-#include <fastdds/rtps/writer/RTPSWriter.h>
-#include <fastdds/rtps/writer/LocatorSelectorSender.hpp>
-#include "replaced_function.hpp"
+#else
+#include <fastdds/rtps/common/CDRMessage_t.hpp>
+#include <fastdds/rtps/history/WriterHistory.hpp>
+#include <fastdds/rtps/messages/RTPSMessageSenderInterface.hpp>
+#endif
+
+#define SPLIT TAKT_RTPS "13WriterHistory13set_fragmentsEPNS1_13CacheChange_tE"
+#define INSERT TAKT_RTPS "16RTPSMessageGroup17insert_submessageERKNS1_12GuidPrefix_tEb"
+#define FITS TAKT_RTPS "16RTPSMessageGroup11check_spaceEPNS1_12CDRMessage_tEj"
 
 namespace {
 
-namespace rtps = eprosima::fastrtps::rtps;
+namespace rtps = takt::dds::rtps;
 
 /// The bytes that DDS Security adds to a message: SRTPS_PREFIX, SEC_BODY and SRTPS_POSTFIX.
 constexpr std::uint32_t kProtection = 24 + 8 + 24;
@@ -26,10 +38,13 @@ constexpr std::uint32_t kAroundFragment = 20 + 24 + 16 + 16 + 12 + 36 + 32;
 constexpr std::uint32_t kPayloadProtection = 60;
 constexpr std::size_t kMostNear =
     4096;  // then all are forgotten; participants announce themselves again and again
+/// Each participant sends something more often.
+constexpr takt::Nanoseconds kSendsOnce = std::chrono::seconds{10};
 
 std::atomic<bool> is_secured{false};
 std::mutex mutex;
 std::set<takt::wire::ParticipantNumber> all_near;
+std::atomic<takt::Instant> last_from_afar{};
 
 /// The bytes that are added to each message after Fast DDS has composed it.
 std::uint32_t addition() { return is_secured ? kProtection : 0; }
@@ -41,10 +56,8 @@ std::uint32_t limit() { return takt::dds::kLongestFarMessage - addition(); }
 constexpr std::uint32_t kLongestAnnouncement = 576 - 28;
 
 bool is_far(const rtps::GuidPrefix_t& participant) {
-  takt::wire::ParticipantNumber number{};
-  std::copy_n(participant.value, number.size(), number.begin());
   const std::lock_guard lock{mutex};
-  return !all_near.contains(number);
+  return !all_near.contains(takt::dds::number_in(participant));
 }
 
 /// The longest payload of a fragment for another machine.
@@ -59,28 +72,51 @@ bool announces(const rtps::EntityId_t& writer) {
          writer == rtps::c_EntityId_SEDPSubWriter;
 }
 
-/// The replaced functions of Fast DDS.
-struct Originals {
-  using Insert = bool(rtps::RTPSMessageGroup*, const rtps::GuidPrefix_t&, bool);
-  using Split = void(rtps::WriterHistory*, rtps::CacheChange_t*);
+/// Returns true if a message of this writer or reader must be sent before it becomes so long.
+bool is_too_long(std::uint32_t length, const rtps::EntityId_t& from,
+                 const std::vector<rtps::GuidPrefix_t>& receivers) {
+  return length > (announces(from) ? kLongestAnnouncement - addition() : limit()) &&
+         (receivers.empty() || std::ranges::any_of(receivers, &is_far));
+}
 
-  Insert* insert = takt::dds::replaced<Insert>(
-      "_ZN8eprosima8fastrtps4rtps16RTPSMessageGroup17insert_submessageERKNS1_12GuidPrefix_tEb");
-  Split* split = takt::dds::replaced<Split>(
-      "_ZN8eprosima8fastrtps4rtps13WriterHistory13set_fragmentsEPNS1_13CacheChange_tE");
-};
-
-const Originals& originals() noexcept {
-  static const Originals found;
+using Split = void(rtps::WriterHistory*, rtps::CacheChange_t*);
+Split* split_original() noexcept {
+  static Split* const found = takt::dds::replaced<Split>(SPLIT);
   return found;
 }
+
+#if TAKT_FASTDDS == 2
+using Insert = bool(rtps::RTPSMessageGroup*, const rtps::GuidPrefix_t&, bool);
+Insert* original() noexcept {
+  static Insert* const found = takt::dds::replaced<Insert>(INSERT);
+  return found;
+}
+#else
+using Fits = bool(void*, rtps::CDRMessage_t*, std::uint32_t);
+Fits* original() noexcept {
+  static Fits* const found = takt::dds::replaced<Fits>(FITS);
+  return found;
+}
+/// The first members of RTPSMessageGroup.
+struct Group {
+  rtps::RTPSMessageSenderInterface* sender;
+  rtps::Endpoint* from;
+};
+#endif
+
+/// Names protected members.
+struct History : rtps::WriterHistory {
+  static auto writer() { return &History::mp_writer; }
+  static auto longest() { return &History::high_mark_for_frag_; }  // 0: the default
+};
 
 }  // namespace
 
 namespace takt::dds {
 
 void keep_messages_short(bool secured) noexcept {
-  static_cast<void>(originals());
+  static_cast<void>(split_original());
+  static_cast<void>(original());
   is_secured = secured;
 }
 
@@ -93,38 +129,48 @@ void set_near(const wire::ParticipantNumber& participant, bool near) {
     all_near.erase(participant);
 }
 
+void heard_from_afar() { last_from_afar.store(os::now(), std::memory_order_relaxed); }
+
+// Splits a sample into fragments. They may be long if all participants are on this machine, and if no other
+// reader gets the sample later.
+Split split asm(SPLIT);
+void split(rtps::WriterHistory* history, rtps::CacheChange_t* sample) {
+  auto* const writer = reinterpret_cast<rtps::RTPSWriter*>(history->*History::writer());
+  const bool all_near = os::now() - last_from_afar.load(std::memory_order_relaxed) > kSendsOnce;
+  const bool is_long = announces(sample->writerGUID.entityId) ||
+                       (all_near && writer->getAttributes().durabilityKind == rtps::VOLATILE);
+  history->*History::longest() = is_long ? 0 : longest_payload();
+  split_original()(history, sample);
+}
+
+#if TAKT_FASTDDS != 2
+// Fast DDS has composed a submessage; with it, the message becomes longer by at most `more`. Returns false if
+// Fast DDS must send the message before.
+Fits fits asm(FITS);
+bool fits(void* group, rtps::CDRMessage_t* message, std::uint32_t more) {
+  const auto& [sender, from] = *static_cast<const Group*>(group);
+  return original()(group, message, more) &&
+         (message->length <= RTPSMESSAGE_HEADER_SIZE ||
+          !is_too_long(message->length + more, from->getGuid().entityId, sender->remote_participants()));
+}
+#endif
+
 }  // namespace takt::dds
 
+#if TAKT_FASTDDS == 2
 namespace eprosima::fastrtps::rtps {
-
-// Splits a sample into fragments. They may be long if all present readers are on this machine, and if no
-// other reader gets the sample later.
-void WriterHistory::set_fragments(CacheChange_t* sample) {
-  bool is_long = announces(mp_writer->getGuid().entityId);
-  if (!is_long && sample->serializedPayload.length > longest_payload() / 2 &&
-      mp_writer->getAttributes().durabilityKind == VOLATILE) {
-    LocatorSelectorSender& readers = mp_writer->get_general_locator_selector();
-    const std::lock_guard lock{readers};
-    is_long = std::ranges::none_of(
-        readers.locator_selector.transport_starts(),
-        [](const LocatorSelectorEntry* each) { return is_far(each->remote_guid.guidPrefix); });
-  }
-  high_mark_for_frag_ = is_long ? mp_writer->getMaxDataSize() : longest_payload();
-  originals().split(this, sample);
-}
 
 // Appends the submessage that Fast DDS has composed to the message. Sends the message before, if it would
 // become too long.
 bool RTPSMessageGroup::insert_submessage(const GuidPrefix_t& to, bool is_big) {
-  const std::vector<GuidPrefix_t>& receivers = sender_->remote_participants();
-  const std::uint32_t longest =
-      announces(endpoint_->getGuid().entityId) ? kLongestAnnouncement - addition() : limit();
-  if (full_msg_->length > RTPSMESSAGE_HEADER_SIZE && full_msg_->length + submessage_msg_->length > longest &&
-      (receivers.empty() || std::ranges::any_of(receivers, &is_far))) {
+  if (full_msg_->length > RTPSMESSAGE_HEADER_SIZE &&
+      is_too_long(full_msg_->length + submessage_msg_->length, endpoint_->getGuid().entityId,
+                  sender_->remote_participants())) {
     flush_and_reset();
     add_info_dst_in_buffer(full_msg_, to);
   }
-  return originals().insert(this, to, is_big);
+  return original()(this, to, is_big);
 }
 
 }  // namespace eprosima::fastrtps::rtps
+#endif

@@ -1,4 +1,4 @@
-// Keeps RTPS messages so short that every usual path carries each one in one IP packet. Fast DDS 2.9.1 fills
+// Keeps RTPS messages so short that every usual path carries each one in one IP packet. Fast DDS fills
 // messages up to the size that the transport allows, which must be 65,500 bytes for fast communication within
 // a machine. On the way to another machine, the kernel splits such a message into IP fragments. If one
 // fragment is lost, the whole message is lost. Many VPNs and firewalls drop all fragments, so such a message
@@ -6,7 +6,7 @@
 //
 // This file makes all writers split samples into fragments of RTPS (DATA_FRAG), which a reader requests one
 // by one, and sends a message before it exceeds kLongestFarMessage. Messages to participants of this machine
-// may be longer.
+// may be longer, and fragments too while no other machine sends anything.
 #pragma once
 
 #include <cstdint>
@@ -27,5 +27,8 @@ void keep_messages_short(bool secured) noexcept;
 
 /// Messages to this participant may be long if it is on this machine (`near`).
 void set_near(const wire::ParticipantNumber& participant, bool near);
+
+/// Call this function when a message from another machine arrives.
+void heard_from_afar();
 
 }  // namespace takt::dds

@@ -9,15 +9,12 @@
 
 #include <fastdds/rtps/attributes/WriterAttributes.hpp>
 
-#include "announced_once.hpp"
 #include "leases.hpp"
-#include "message_size.hpp"
 #include "own_announcement.hpp"
 #include "participant_removal.hpp"
 #include "removed_readers.hpp"
 #include "replaced_function.hpp"
 #include "second_announcement.hpp"
-#include "server_address.hpp"
 #include "soon_repeated.hpp"
 #include "spent_tokens.hpp"
 
@@ -137,7 +134,7 @@ void note_member(const wire::ParticipantNumber& participant, bool is_old) {
 
 ExchangeKeys exchange_keys asm(EXCHANGE_KEYS);
 bool exchange_keys(void* manager, void* keys, const rtps::GUID_t& other) {
-  std::copy_n(other.guidPrefix.value, authenticated.size(), authenticated.begin());
+  authenticated = number_in(other.guidPrefix);
   return exchange_keys_original()(manager, keys, other);
 }
 
@@ -146,11 +143,11 @@ bool exchange_keys(void* manager, void* keys, const rtps::GUID_t& other) {
 // a participant without DDS Security, then the readers and writers of encrypted discovery. Anybody may have
 // sent the announcement without a version, so a member that is not old must be found, too.
 Found found_participant asm(FOUND);
-void found_participant(void* discovery, const void* participant, bool is_authenticated) {
-  found_original()(discovery, participant, is_authenticated);
+void found_participant(void* finder, const void* participant, bool is_authenticated) {
+  found_original()(finder, participant, is_authenticated);
   if (!is_authenticated || !is_old(authenticated)) return;
-  found_original()(discovery, participant, false);
-  match()(discovery, participant, true);
+  found_original()(finder, participant, false);
+  match()(finder, participant, true);
 }
 
 // ---- soon_repeated.hpp: only the writers of discovery, and all readers get a heartbeat if one misses
@@ -175,10 +172,6 @@ Nanoseconds round_trip_to(const rtps::GuidPrefix_t&) { return Nanoseconds{0}; }
 
 // ---- Not written yet
 
-void announce_once() noexcept {}
 void renew_leases_quietly() noexcept {}
-void keep_messages_short(bool) noexcept {}
-void set_near(const wire::ParticipantNumber&, bool) {}
-void reach_server_at(std::optional<NamedServer>) {}
 
 }  // namespace takt::dds

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace takt::wire {
 
@@ -55,6 +56,15 @@ using ParticipantNumber = std::array<std::uint8_t, 12>;
 
 /// Returns the GUID prefix of the sender of a readable message.
 [[nodiscard]] ParticipantNumber sender_of(std::span<const std::uint8_t> message) noexcept;
+
+/// Replaces the addresses at which a participant receives discovery messages in its announcements of itself:
+/// a readable message then announces only this IPv4 address and port. Returns the IPv4 addresses that it
+/// announced before; none if it announces no or another participant. Any thread may call this function; it
+/// allocates memory for the result.
+std::vector<std::array<std::uint8_t, 4>> replace_addresses(std::span<std::uint8_t> message,
+                                                           const ParticipantNumber& participant,
+                                                           const std::array<std::uint8_t, 4>& address,
+                                                           std::uint16_t port);
 
 struct Announcement {
   enum class Of : std::uint8_t { nobody, sender, other };
