@@ -36,8 +36,10 @@ def accepted_by_others(folder, names, scratch):
     """Checks that fastddsgen and idlc accept the files as their authors wrote them."""
     for tool in ("dds", "dds_tmp", "idlc"):
         os.makedirs(os.path.join(scratch, tool), exist_ok=True)
-    result = run(fastddsgen, "-replace", "-cs", "-t", os.path.join(scratch, "dds_tmp"), "-d", os.path.join(scratch, "dds"), *names,
-                 cwd=folder)
+    # fastddsgen 4 fails to write the description of some types. Takt does not use descriptions (cmake/fastddsgen4.sh).
+    only_types = [] if " version 2." in run(fastddsgen, "-version").stdout else ["-no-typeobjectsupport"]
+    result = run(fastddsgen, "-replace", "-cs", *only_types, "-t", os.path.join(scratch, "dds_tmp"), "-d", os.path.join(scratch, "dds"),
+                 *names, cwd=folder)
     expect(result.returncode == 0 and "error" not in result.stdout + result.stderr, f"fastddsgen refuses one of {names}", result)
     for name in names:
         result = run(idlc, "-l", "c", "-o", os.path.join(scratch, "idlc"), name, cwd=folder)

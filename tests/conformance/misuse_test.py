@@ -37,7 +37,7 @@ CASES = [
     ('log().info("{} {{}} {:.2f}", 1, 2.5);',
      'log().error("failed"); log().debug("{} {}", "text", takt::BoundedString<8>{"bounded"});', None),
 ]
-# Log calls, and a part of the sentence in the compiler's first error.
+# Log calls, and a part of the sentence in the compiler's first error. GCC 14 names the call in an error of its own before.
 LITERAL = 'the format of a log call must be a literal; to log a text, write log().info("{}", text)'
 LOG_CALLS = [
     ('log().info("{} {}", 1);', "this log call has more {} than arguments"),
@@ -185,14 +185,14 @@ for hook in ("initialize", "start", "run", "recover", "destruct"):
         failures.append("int %s(void) in C: the message should name takt_fail(), but is: %s" % (hook, done.stderr or "nothing"))
 for source, said in SOURCES:
     flags = [flag for flag in keep if flag != "-DTAKT_THREAD_MODULE"] if said == NO_COMPONENT else keep
-    errors = [line for line in compiled(source, flags).stderr.splitlines() if " error: " in line]
+    errors = [line for line in compiled(source, [*flags, "-Wno-overloaded-virtual"]).stderr.splitlines() if " error: " in line]
     if len(errors) != 1 or said not in errors[0]:
         failures.append("%s: the only error should be '%s', but the errors are:\n%s" % (source, said, "\n".join(errors)))
 for call, said in LOG_CALLS:
     done = compiled(COMPONENT % ("", call))
-    error = next((line for line in done.stderr.splitlines() if " error: " in line), "nothing")
-    if said not in error:
-        failures.append("%s: the first error should contain '%s', but is: %s" % (call, said, error))
+    errors = [line for line in done.stderr.splitlines() if " error: " in line and "call to consteval function" not in line]
+    if not errors or said not in errors[0]:
+        failures.append("%s: the first error should contain '%s', but is: %s" % (call, said, errors[0] if errors else "nothing"))
 print("\n".join(failures) or
       "%d components compile or are rejected as expected" % (len(CASES) + len(MEMBERS) + len(SOURCES) + len(LOG_CALLS)))
 sys.exit(1 if failures else 0)

@@ -342,8 +342,11 @@ std::string what_is_wrong(const CLI::Error& error) {
   const std::size_t range = text.rfind(kRange);
   if (value != std::string::npos && range != std::string::npos && value + kValue.size() <= range) {
     const std::string given = text.substr(value + kValue.size(), range - value - kValue.size());
-    return text.substr(0, value) + " takes a number, " + text.substr(range + kRange.size()) + ", not " +
-           in_quotes(given);
+    std::string bounds = text.substr(range + kRange.size());
+    // CLI11 2.4 writes [0 - 232], and earlier versions 0 to 232.
+    if (const std::size_t dash = bounds.find(" - "); bounds.starts_with('[') && dash != std::string::npos)
+      bounds = bounds.substr(1, dash - 1) + " to " + bounds.substr(dash + 3, bounds.size() - dash - 4);
+    return text.substr(0, value) + " takes a number, " + bounds + ", not " + in_quotes(given);
   }
   constexpr std::string_view kBegin = "Could not convert: ";
   const std::size_t equals = text.find(" = ");
