@@ -14,7 +14,10 @@ endif()
 function(takt_discover_tests program)
   cmake_parse_arguments(TESTS "" "PREFIX;TIMEOUT" "PROPERTIES" ${ARGN})
   if(NOT TAKT_SANITIZE)
-    gtest_discover_tests(${program} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${TESTS_PREFIX}"
+    if(TESTS_PREFIX)
+      list(PREPEND TESTS_PREFIX TEST_PREFIX)
+    endif()
+    gtest_discover_tests(${program} DISCOVERY_MODE PRE_TEST ${TESTS_PREFIX}
                          PROPERTIES TIMEOUT ${TESTS_TIMEOUT} ${TESTS_PROPERTIES})
     return()
   endif()

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <utility>
 
 namespace takt::wire {
 
@@ -608,11 +609,12 @@ std::vector<std::array<std::uint8_t, 4>> replace_addresses(std::span<std::uint8_
         is_announced = std::ranges::equal(value.bytes(participant.size()), participant);
     });
     if (!is_announced) return;
+    bool is_replaced = false;
     check_parameters(again, [&](std::uint32_t parameter, Cursor value) {
       if (parameter != kDiscoveryAddress || Cursor{value}.u32() != kUdpV4) return;
       const std::span<std::uint8_t> locator = part_of(message, value);
       std::ranges::copy(locator.subspan(kAddress), addresses.emplace_back().begin());
-      if (addresses.size() > 1) return skip_parameter(message, value);
+      if (std::exchange(is_replaced, true)) return skip_parameter(message, value);
       for (std::size_t i = 0; i < 4; ++i)
         locator[kPort + i] = static_cast<std::uint8_t>(port >> 8U * (list.little() ? i : 3 - i));
       std::ranges::copy(address, locator.begin() + kAddress);

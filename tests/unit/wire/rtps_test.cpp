@@ -616,8 +616,10 @@ TEST(Announcement, AnnouncesOnlyTheAddressThatReplacesThoseOfItsParticipant) {
   Bytes expected = announced(kGuid, Body{at(1, 4660, {240, 0, 0, 1})}.add(at(1, 11812, second, 0)));
   append(sent, 0x15, discovery(Body{other}.add(before), kSpdpWriter), 4);
   append(expected, 0x15, discovery(Body{other}.add(before), kSpdpWriter), 4);
+  append(sent, 0x15, discovery(Body{kGuid}.add(at(1, 11811, second)), kSpdpWriter), 4);
+  append(expected, 0x15, discovery(Body{kGuid}.add(at(1, 4660, {240, 0, 0, 1})), kSpdpWriter), 4);
   ASSERT_TRUE(is_rtps(sent));
-  EXPECT_EQ(replace_addresses(sent, server, {240, 0, 0, 1}, 4660), (std::vector{first, second}));
+  EXPECT_EQ(replace_addresses(sent, server, {240, 0, 0, 1}, 4660), (std::vector{first, second, second}));
   EXPECT_EQ(sent, expected);
 
   Bytes others = announced(other, before);
