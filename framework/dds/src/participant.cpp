@@ -251,6 +251,8 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
 
   fast::DomainParticipantQos qos;
   qos.name(options.name.c_str());
+  // Fast DDS would announce the names of the machine, the user and the process.
+  qos.properties().properties().clear();
   // All readers and writers know their types. Fast DDS 2.9 sends no descriptions of them unless it is told
   // to.
   qos.properties().properties().emplace_back("fastdds.type_propagation", "disabled");

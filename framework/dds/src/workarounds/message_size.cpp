@@ -9,6 +9,7 @@
 
 #include <takt/core/time.hpp>
 #include <takt/os/clock.hpp>
+#include "message_group.hpp"
 #include "replaced_function.hpp"
 
 #if TAKT_FASTDDS == 2
@@ -18,7 +19,6 @@
 #else
 #include <fastdds/rtps/common/CDRMessage_t.hpp>
 #include <fastdds/rtps/history/WriterHistory.hpp>
-#include <fastdds/rtps/messages/RTPSMessageSenderInterface.hpp>
 #endif
 
 #define SPLIT TAKT_RTPS "13WriterHistory13set_fragmentsEPNS1_13CacheChange_tE"
@@ -56,8 +56,7 @@ std::uint32_t limit() { return takt::dds::kLongestFarMessage - addition(); }
 constexpr std::uint32_t kLongestAnnouncement = 576 - 28;
 
 bool is_far(const rtps::GuidPrefix_t& participant) {
-  const std::lock_guard lock{mutex};
-  return !all_near.contains(takt::dds::number_in(participant));
+  return !takt::dds::is_near(takt::dds::number_in(participant));
 }
 
 /// The longest payload of a fragment for another machine.
@@ -97,11 +96,6 @@ Fits* original() noexcept {
   static Fits* const found = takt::dds::replaced<Fits>(FITS);
   return found;
 }
-/// The first members of RTPSMessageGroup.
-struct Group {
-  rtps::RTPSMessageSenderInterface* sender;
-  rtps::Endpoint* from;
-};
 #endif
 
 /// Names protected members.
@@ -129,6 +123,11 @@ void set_near(const wire::ParticipantNumber& participant, bool near) {
     all_near.erase(participant);
 }
 
+bool is_near(const wire::ParticipantNumber& participant) {
+  const std::lock_guard lock{mutex};
+  return all_near.contains(participant);
+}
+
 void heard_from_afar() { last_from_afar.store(os::now(), std::memory_order_relaxed); }
 
 // Splits a sample into fragments. They may be long if all participants are on this machine, and if no other
@@ -148,10 +147,10 @@ void split(rtps::WriterHistory* history, rtps::CacheChange_t* sample) {
 // Fast DDS must send the message before.
 Fits fits asm(FITS);
 bool fits(void* group, rtps::CDRMessage_t* message, std::uint32_t more) {
-  const auto& [sender, from] = *static_cast<const Group*>(group);
+  const auto& [receivers, from] = message_group(group);
   return original()(group, message, more) &&
          (message->length <= RTPSMESSAGE_HEADER_SIZE ||
-          !is_too_long(message->length + more, from->getGuid().entityId, sender->remote_participants()));
+          !is_too_long(message->length + more, from->getGuid().entityId, receivers->remote_participants()));
 }
 #endif
 

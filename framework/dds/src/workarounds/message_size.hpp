@@ -27,6 +27,7 @@ void keep_messages_short(bool secured) noexcept;
 
 /// Messages to this participant may be long if it is on this machine (`near`).
 void set_near(const wire::ParticipantNumber& participant, bool near);
+[[nodiscard]] bool is_near(const wire::ParticipantNumber& participant);
 
 /// Call this function when a message from another machine arrives.
 void heard_from_afar();

@@ -38,9 +38,8 @@ void announce_again();
 void follow_clients();
 /// Makes the participant of this process forget others and be forgotten by them, and announces it again. For
 /// half a second in between, the process exchanges nothing with them. The listeners report that they are lost
-/// and found again. `also_here`: participants on this machine, too, and not only those on others; with Fast
-/// DDS 3, always all of `known`. Any thread but a real-time one may call this function while the participant
-/// exists.
+/// and found again. `also_here`: participants on this machine, too, and not only those on others. Any thread
+/// but a real-time one may call this function while the participant exists.
 void rejoin(PacketFilter& filter, const std::map<wire::ParticipantNumber, std::string>& known,
             bool also_here);
 

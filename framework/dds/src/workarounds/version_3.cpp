@@ -7,22 +7,16 @@
 #include <set>
 #include <thread>
 
-#include <fastdds/rtps/attributes/WriterAttributes.hpp>
-
 #include "leases.hpp"
+#include "message_size.hpp"
 #include "own_announcement.hpp"
 #include "participant_removal.hpp"
 #include "removed_readers.hpp"
 #include "replaced_function.hpp"
 #include "second_announcement.hpp"
-#include "soon_repeated.hpp"
 #include "spent_tokens.hpp"
 
 #define BEGIN TAKT_RTPS "3PDP7initPDPEPNS1_19RTPSParticipantImplE"
-#define CREATE_WRITER                                                                                    \
-  TAKT_RTPS                                                                                              \
-  "19RTPSParticipantImpl12createWriterEPPNS1_10RTPSWriterERNS1_16WriterAttributesEPNS1_13WriterHistoryE" \
-  "PNS1_14WriterListenerERKNS1_10EntityId_tEb"
 #define EXCHANGE_KEYS                                                                                \
   TAKT_RTPS                                                                                          \
   "8security15SecurityManager27exchange_participant_cryptoESt10shared_ptrINS2_6HandleEERKNS1_6GUID_" \
@@ -100,12 +94,16 @@ bool begin_discovery(void* made, void* participant) {
   return original(made, participant);
 }
 
-void rejoin(PacketFilter& filter, const std::map<wire::ParticipantNumber, std::string>& known, bool) {
+void rejoin(PacketFilter& filter, const std::map<wire::ParticipantNumber, std::string>& known,
+            bool also_here) {
+  filter.silence = also_here ? Silence::none : Silence::on_this_machine;
   announce(true);
   filter.silence = Silence::everywhere;
   announce(false);
+  filter.silence = also_here ? Silence::everywhere : Silence::on_other_machines;
   std::this_thread::sleep_for(kSilence);
   for (const auto& [number, name] : known) {
+    if (!also_here && is_near(number)) continue;
     rtps::GUID_t other{{}, rtps::c_EntityId_RTPSParticipant};
     std::copy(number.begin(), number.end(), other.guidPrefix.value);
     forget_participant(discovery, other);
@@ -150,27 +148,7 @@ void found_participant(void* finder, const void* participant, bool is_authentica
   match()(finder, participant, true);
 }
 
-// ---- soon_repeated.hpp: only the writers of discovery, and all readers get a heartbeat if one misses
-// something
-
-bool create_writer(void* participant, void* made, rtps::WriterAttributes& attributes, void* history,
-                   void* listener, const rtps::EntityId_t& id, bool is_builtin) asm(CREATE_WRITER);
-bool create_writer(void* participant, void* made, rtps::WriterAttributes& attributes, void* history,
-                   void* listener, const rtps::EntityId_t& id, bool is_builtin) {
-  static auto* const original = replaced<decltype(create_writer)>(CREATE_WRITER);
-  if (is_builtin) {
-    attributes.times.heartbeat_period = duration(std::chrono::milliseconds{100});
-    attributes.times.nack_response_delay = duration(std::chrono::milliseconds{10});
-    attributes.times.nack_supression_duration = duration(std::chrono::milliseconds{50});
-  }
-  return original(participant, made, attributes, history, listener, id, is_builtin);
-}
-
-void repeat_lost_messages_soon() noexcept {}
-void heartbeat_answered(const rtps::GUID_t&, const rtps::GUID_t&) {}
-Nanoseconds round_trip_to(const rtps::GuidPrefix_t&) { return Nanoseconds{0}; }
-
-// ---- Not written yet
+// ---- leases.hpp: each sample of a writer with a lease stops and starts a timer
 
 void renew_leases_quietly() noexcept {}
 
