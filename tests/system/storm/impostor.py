@@ -253,11 +253,11 @@ def flood(me, seconds, rate):
     """Sends samples that the readers already have, fragments of samples that are too long, and heartbeats that each ask for an answer."""
     at = me.next()
     writer = me.writers[STATUS]
-    sample = next(bytes(body[20:]) for packet in me.packets for kind, flags, body in submessages(packet)
-                  if kind == DATA and flags & 2 == 0 and body[8:12] == writer)
+    sample, flags = next((bytes(body[20:]), flags) for packet in me.packets for kind, flags, body in submessages(packet)
+                         if kind == DATA and flags & 4 and body[8:12] == writer)
     packets = []
     for i in range(99):
-        packets.append((data(writer, 1, sample), fragment(writer, at + i, 1, 1, 1000, 60_000_000, bytes(1000)),
+        packets.append((data(writer, 1, sample, flags), fragment(writer, at + i, 1, 1, 1000, 60_000_000, bytes(1000)),
                         submessage(HEARTBEAT, 0, bytes(4) + writer + number(1) + number(at - 1) + struct.pack("<I", 0x7FFF0000 + i)))[i % 3])
     targets = [struct.pack("<HH", socket.AF_INET, socket.htons(port)) + socket.inet_aton(address) + bytes(8) for address, port in me.targets]
     kept, messages = [], (Message * (len(packets) * len(targets)))()

@@ -6,11 +6,14 @@ import json
 import os
 import random
 import signal
+import struct
 import subprocess
 import sys
 import time
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+sys.path[:0] = [os.path.dirname(os.path.abspath(__file__)), os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")]
+import attack
+import impostor
 import networks
 import takt_system
 import wear
@@ -20,6 +23,9 @@ DEVICES = ("robot", "line")
 SECONDS = takt_system.how_much("TAKT_STORM_SECONDS", 5.0, 20.0)
 RATE = float(os.environ.get("TAKT_STORM_RATE", "5000"))
 SEED = int(os.environ.get("TAKT_STORM_SEED", random.randrange(10 ** 6)))
+BUILTIN = 0x58  # the parameter with the readers and writers that a participant has for discovery
+TYPE_LOOKUP = 0xF << 12  # those of them that exchange descriptions of types
+TYPE_DESCRIPTIONS = {0x69, 0x72, 0x75}
 ATTACK = os.path.join(os.path.dirname(os.path.abspath(__file__)), "attack.py")
 IMPOSTOR = os.path.join(os.path.dirname(ATTACK), "impostor.py")
 DDS_PORTS = (7400, 7401, 7410, 7411)
@@ -176,12 +182,32 @@ class InTheOpen(Storm):
         self.assertEqual(0, sink["wrong"])
         self.assertGreater(sink["read"], 0)
 
-    def test_no_process_hangs_or_crashes_when_an_attacker_sends_packets_in_the_name_of_members(self):
+    def capture(self, machine):
+        """Deploys the cell. Returns a file with the packets that this machine sends and receives meanwhile."""
         captured = os.path.join(self.folder, "captured")
-        listening = self.attack("robot", "capture", captured, "3", wait=False)
+        listening = self.attack(machine, "capture", captured, "3", wait=False)
         self.assertEqual("ready\n", listening.stdout.readline())
         self.deploy()
         listening.wait()
+        return captured
+
+    def test_announcements_describe_no_types_and_do_not_name_the_machine(self):
+        announced = []
+        for packet in attack.read_captured(self.capture("robot")):
+            for kind, flags, body in impostor.submessages(packet):
+                if kind == attack.DATA and flags & 6 == 4 and body[11] & 0xC0 == 0xC0:  # of a writer that Fast DDS has created for itself
+                    announced.append((impostor.parameters(body[24:]), bytes(body)))
+        participants = [found for found, _ in announced if BUILTIN in found]
+        self.assertGreaterEqual(len(participants), len(DEVICES))
+        self.assertGreater(len(announced), len(participants))
+        for found, body in announced:
+            self.assertFalse(TYPE_DESCRIPTIONS & set(found), found)
+            self.assertNotIn(b"physical_data", body)  # the names of the machine, the user and the process
+        for found in participants:
+            self.assertEqual(0, struct.unpack("<I", found[BUILTIN])[0] & TYPE_LOOKUP, found[BUILTIN])
+
+    def test_no_process_hangs_or_crashes_when_an_attacker_sends_packets_in_the_name_of_members(self):
+        captured = self.capture("robot")
         sent = self.attack("stranger", "forge", captured, "5", json.dumps(self.targets()))
         self.assertGreaterEqual(sent["members"], len(DEVICES))
         self.slowest = 0.0
@@ -195,11 +221,7 @@ class InTheOpen(Storm):
     def impersonate(self, name, near, *ports):
         """Deploys the cell. Returns a function that sends the packets of a case of impostor.py to the device `near`, in the name of the node
         of device `name`."""
-        captured = os.path.join(self.folder, "captured")
-        listening = self.attack("operator", "capture", captured, "3", wait=False)
-        self.assertEqual("ready\n", listening.stdout.readline())
-        self.deploy()
-        listening.wait()
+        captured = self.capture("operator")
         targets = {"udp": [[self.net.address(near), port] for port in ports], "from": self.net.address("stranger"),
                    "name": self.net.address(name), "near": self.net.on(near)[-1]}
 
