@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <takt/core/words.hpp>
+#include "workarounds/own_announcement.hpp"
 
 namespace takt::dds {
 
@@ -34,6 +35,7 @@ std::map<wire::ParticipantNumber, std::string> KnownParticipants::names() const 
 }
 
 void KnownParticipants::found(const rtps::GuidPrefix_t& participant, const std::string& name) {
+  has_announced(participant);
   const std::lock_guard lock{names_mutex_};
   names_[number_in(participant)] = name;
 }

@@ -33,8 +33,19 @@ std::string addresses_text(const std::vector<os::Ipv4>& addresses) {
 
 os::Ipv4 HostNames::add(const std::string& role, const std::string& host) {
   if (const auto address = os::from_dots(host)) return *address;
+  return add({.role_and_name = role + " " + in_quotes(host), .name = host});
+}
+
+os::Ipv4 HostNames::add_server(const std::string& host) {
+  const auto address = os::from_dots(host);
+  return add({.role_and_name = "discovery server " + in_quotes(host),
+              .name = address ? "" : host,
+              .addresses = address ? std::vector{*address} : std::vector<os::Ipv4>{}});
+}
+
+os::Ipv4 HostNames::add(Host host) {
   const std::size_t index = hosts_.size();
-  hosts_.push_back({.role_and_name = role + " " + in_quotes(host), .name = host});
+  hosts_.push_back(std::move(host));
   return {kPlaceholder, 0, static_cast<std::uint8_t>(index / 256), static_cast<std::uint8_t>(index % 256)};
 }
 
@@ -58,7 +69,7 @@ void HostNames::step(Instant now) {
       }
       if (std::exchange(host.heard, false)) host.alive = now;
       const bool is_alive = host.alive && now - *host.alive < kAliveFor;
-      if (host.under_way || under_way_ == kLookUpsAtOnce) continue;
+      if (host.name.empty() || host.under_way || under_way_ == kLookUpsAtOnce) continue;
       if (host.looked_up && now - *host.looked_up < (is_alive ? kLookUpIfAlive : kLookUp)) continue;
       host.under_way = true;
       ++under_way_;

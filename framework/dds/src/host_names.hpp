@@ -37,6 +37,9 @@ class HostNames : public std::enable_shared_from_this<HostNames> {
   /// Returns the address for Fast DDS: a placeholder, unless the host is an address itself. `role` is the
   /// role of the host, for messages: "peer", for example. Call this function before the first step().
   os::Ipv4 add(const std::string& role, const std::string& host);
+  /// Returns a placeholder for a discovery server, also if `host` is an address: what is meant for the server
+  /// is then also sent to the addresses that it announces. Call this function before the first step().
+  os::Ipv4 add_server(const std::string& host);
   /// Begins to look up the names whose turn it is, and tells what has changed. Call it often.
   void step(Instant now);
   /// The host of this placeholder has announced these addresses. They are used as well as those of its name,
@@ -56,7 +59,7 @@ class HostNames : public std::enable_shared_from_this<HostNames> {
  private:
   struct Host {
     std::string role_and_name;
-    std::string name;
+    std::string name;  // empty if the host was given by its address
     std::vector<os::Ipv4> addresses{};
     std::vector<os::Ipv4> announced{};
     std::string reason{};  // why the last look-up has failed
@@ -67,6 +70,7 @@ class HostNames : public std::enable_shared_from_this<HostNames> {
     bool warned = false;                 // the last news was that it has no address
     std::vector<os::Ipv4> told{};        // the addresses in the last news
   };
+  os::Ipv4 add(Host host);
   void found(std::size_t index, const Result<std::vector<os::Ipv4>>& result);
 
   const LookUp look_up_;

@@ -7,6 +7,7 @@
 #include <takt/security/identity.hpp>
 #include <takt/wire/rtps.hpp>
 #include "workarounds/message_size.hpp"
+#include "workarounds/own_announcement.hpp"
 
 namespace takt::dds {
 
@@ -52,7 +53,10 @@ void PacketFilter::pass(std::span<std::uint8_t> packet, const Arrival& arrival,
           wire::replace_addresses(packet, server_->number, server_->placeholder, server_->port);
       if (!addresses.empty()) server_->announced(addresses);
     }
-    receive_lock.handle_alone([&] { handle(readable); });
+    receive_lock.handle_alone([&] {
+      handle(readable);
+      follow_client();
+    });
   } else {
     const bool is_readable = secured_ || !wire::is_protected_rtps(packet);
     if (is_readable && !arrival.in_group) {

@@ -35,8 +35,8 @@ struct Arrival {
   bool in_group = false;  ///< it was sent to a multicast group
 };
 
-/// A discovery server that is given by name.
-struct NamedServer {
+/// The discovery server of a client.
+struct FollowedServer {
   wire::ParticipantNumber number;
   os::Ipv4 placeholder;  ///< see HostNames
   std::uint16_t port;
@@ -72,7 +72,7 @@ class PacketFilter {
   /// and requests at the addresses that the server announced last. If the server's machine gets another
   /// address, or if the server is started again on another machine, the client learns the new addresses from
   /// the server, but does not use them.
-  void follow(NamedServer server) { server_ = std::move(server); }
+  void follow(FollowedServer server) { server_ = std::move(server); }
   /// From now on, drops every packet of this participant, also its announcements.
   void reject(const wire::ParticipantNumber& participant);
 
@@ -96,7 +96,7 @@ class PacketFilter {
   wire::Notices& notices_;
   const bool secured_;
   std::function<void(const wire::Announcement&, const os::Ipv4&)> look_;
-  std::optional<NamedServer> server_;
+  std::optional<FollowedServer> server_;
   mutable std::mutex mutex_;
   std::map<wire::ParticipantNumber, Instant> last_messages_;
   std::set<wire::ParticipantNumber> rejected_;  // a new process has another number, so none is removed

@@ -116,15 +116,14 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
       } else {
         rtps::GuidPrefix_t prefix;
         std::istringstream{kServerPrefix} >> prefix;
-        const os::Ipv4 address = names->add("discovery server", host);
+        const os::Ipv4 address = names->add_server(host);
         use_server(config, prefix, locator(address, port));
-        if (HostNames::is_placeholder(address))
-          filter.follow({.number = number_in(prefix),
-                         .placeholder = address,
-                         .port = static_cast<std::uint16_t>(port),
-                         .announced = [names, address](const std::vector<os::Ipv4>& addresses) {
-                           names->announced(address, addresses);
-                         }});
+        filter.follow({.number = number_in(prefix),
+                       .placeholder = address,
+                       .port = static_cast<std::uint16_t>(port),
+                       .announced = [names, address](const std::vector<os::Ipv4>& addresses) {
+                         names->announced(address, addresses);
+                       }});
       }
       break;
     }
@@ -241,7 +240,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   remove_readers_without_deadlock();
   send_again_to_returning_readers();
   repeat_lost_messages_soon();
-  prepare_own_announcement(options.security.empty());
+  prepare_own_announcement(options.security.empty(), options.discovery.serve);
   prepare_heartbeats();
   renew_leases_quietly();
   defer_deletion_of_timers();
@@ -381,7 +380,6 @@ void OwnParticipant::follow_machine(std::stop_token end) {
     names_->step(os::now());
     if (discovery_listener_ != nullptr)
       discovery_listener_->check_certificates(os::wall_ns() / 1'000'000'000);
-    follow_clients();
     if (was_halted && identity_) rejoin(*filter_, others_->names(), true);
     if (news_.take()) {
       while (os::wait_readable({&news_.fd()}, kMoreNewsMs)) news_.take();
@@ -396,12 +394,14 @@ void OwnParticipant::follow_interfaces() {
   if (!addresses) return;
   const Interfaces::Change change = interfaces_->update(*addresses);
   if (!change.any) return;
-  announce_addresses(*participant_, interfaces_->announced());
+  const std::vector<os::Ipv4> announced = interfaces_->announced();
+  announce_addresses(*participant_, announced);
   announce_endpoints();
   interfaces_->settle();
   channels_->follow_interfaces();
-  // While this participant has no address, other machines cannot hear where it is.
-  if (must_rejoin_ && (change.removed_used || (has_moved_ && change.added)))
+  // While this participant has no address, other machines cannot hear where it is, nor that it leaves.
+  const bool is_heard = announced.front() != os::kLoopbackAddress;
+  if (must_rejoin_ && is_heard && (change.removed_used || (has_moved_ && change.added)))
     rejoin(*filter_, others_->names(), false);
   else
     announce_again();

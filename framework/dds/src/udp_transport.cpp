@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
@@ -166,8 +168,11 @@ class UdpTransport final : public Transport {
     list.push_back(any_at(port));
     return true;
   }
+  // When an address has changed, Fast DDS 3 asks for the port again that it wanted first.
   bool getDefaultUnicastLocators(LocatorList_t& list, std::uint32_t port) const override {
-    list.push_back(any_at(port));
+    const std::lock_guard lock{ports_mutex_};
+    const auto found = opened_instead_.find(port);
+    list.push_back(any_at(found == opened_instead_.end() ? port : found->second));
     return true;
   }
   bool fillMetatrafficMulticastLocator(Locator_t& locator, std::uint32_t port) const override {
@@ -211,7 +216,16 @@ class UdpTransport final : public Transport {
         [this, above, locator](const os::UdpSocket::Received& packet, std::span<std::uint8_t> bytes) {
           receive(*above, locator, packet, bytes);
         });
-    if (IPLocator::isMulticast(locator)) channels_.join(port_of(locator), address_of(locator));
+    if (IPLocator::isMulticast(locator)) {
+      channels_.join(port_of(locator), address_of(locator));
+    } else {
+      const std::lock_guard lock{ports_mutex_};
+      if (!opened) {
+        taken_.push_back(port_of(locator));
+      } else {
+        for (const std::uint16_t taken : std::exchange(taken_, {})) opened_instead_[taken] = port_of(locator);
+      }
+    }
     return opened;
   }
   bool CloseInputChannel(const Locator_t& locator) override { return channels_.close(port_of(locator)); }
@@ -319,6 +333,9 @@ class UdpTransport final : public Transport {
   PacketFilter& filter_;
   UdpChannels& channels_;
   HostNames& names_;
+  mutable std::mutex ports_mutex_;
+  std::vector<std::uint16_t> taken_;  // those that Fast DDS has tried one after the other
+  std::map<std::uint32_t, std::uint16_t> opened_instead_;  // by the port that was taken
   // While a machine does not answer, packets for it wait in the kernel and fill the buffer of their socket,
   // which then takes no other packet. So each machine has its own socket, unless there are very many.
   static std::size_t socket_to(const os::Ipv4& address) {

@@ -341,11 +341,11 @@ class Served(Matching):
     def serve(self, machine):
         return self.peer(machine, "device", "server", PEER_DISCOVERY="serve=0.0.0.0:11811")
 
-    def begin(self, machine):
+    def begin(self, machine, **environment):
         """Starts the discovery server, and two clients that find each other."""
         self.server = self.serve("station")
-        self.tap = self.peer(machine, "tap", "t", "reliable", "64", **self.SERVER)
-        self.feed = self.peer("robot", "feed", "t", "reliable", "64", **self.SERVER)
+        self.tap = self.peer(machine, "tap", "t", "reliable", "64", **{**self.SERVER, **environment})
+        self.feed = self.peer("robot", "feed", "t", "reliable", "64", **{**self.SERVER, **environment})
         return self.match(self.feed, self.tap)
 
     def assert_new_ones_are_found(self, what, **environment):
@@ -374,6 +374,11 @@ class Served(Matching):
 
     def test_clients_follow_their_discovery_server_to_a_new_address_that_its_name_does_not_have(self):
         self.begin("line")
+        self.net.set_address("station", 101)
+        self.assert_new_ones_are_found("a new address", PEER_DISCOVERY="server=10.77.0.101:11811")
+
+    def test_clients_that_were_given_the_address_of_their_discovery_server_follow_it_to_a_new_one(self):
+        self.begin("line", PEER_DISCOVERY="server=10.77.0.1:11811")
         self.net.set_address("station", 101)
         self.assert_new_ones_are_found("a new address", PEER_DISCOVERY="server=10.77.0.101:11811")
 

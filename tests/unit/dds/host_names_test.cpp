@@ -209,7 +209,7 @@ TEST(HostNames, WaitUntilTheirLookUpsHaveEnded) {
 }
 
 TEST_F(Names, AlsoLeadToTheAddressesThatTheirHostHasAnnounced) {
-  const Ipv4 placeholder = names_->add("discovery server", "base");
+  const Ipv4 placeholder = names_->add_server("base");
   after(seconds{0});
   answer("base", Addresses{kOne});
   names_->announced(placeholder, {kOne, kTwo});
@@ -219,6 +219,18 @@ TEST_F(Names, AlsoLeadToTheAddressesThatTheirHostHasAnnounced) {
   names_->heard(kThree);
   after(seconds{3});
   EXPECT_EQ(asked(), Texts{}) << "the host is alive";
+}
+
+TEST_F(Names, ReplaceTheAddressOfADiscoveryServerThatTheyDoNotLookUp) {
+  const Ipv4 placeholder = names_->add_server("10.0.0.1");
+  EXPECT_TRUE(HostNames::is_placeholder(placeholder));
+  after(seconds{0});
+  EXPECT_EQ(asked(), Texts{});
+  EXPECT_EQ(names_->unresolved(), "");
+  EXPECT_EQ(names_->addresses(placeholder), Addresses{kOne});
+  names_->announced(placeholder, {kTwo});
+  EXPECT_EQ(names_->addresses(placeholder), (Addresses{kOne, kTwo}));
+  EXPECT_EQ(told_, Texts{});
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -51,10 +52,12 @@ constexpr std::chrono::milliseconds kSilence{500};
 std::function<void(takt::dds::PacketFilter&, bool)> leave_and_join;
 std::function<void()> set_own_addresses;
 std::function<void(bool changed)> announce;
-std::function<void()> assign_moved_clients;
+std::function<void(const rtps::GuidPrefix_t&)> assign_client;
+thread_local std::optional<rtps::GuidPrefix_t> changed_client;
 std::function<void()> announce_soon;
 
 bool follows_others = false;
+bool is_server = false;
 
 std::mutex addresses_mutex;
 std::vector<takt::os::Ipv4> own_addresses;  // empty until the first change
@@ -93,8 +96,9 @@ void set_announced(rtps::RemoteLocatorList& list, const rtps::LocatorList_t& of_
 
 namespace takt::dds {
 
-void prepare_own_announcement(bool follows) noexcept {
+void prepare_own_announcement(bool follows, bool serves) noexcept {
   follows_others = follows;
+  is_server = serves;
   static_cast<void>(original());
   static_cast<void>(original_assign());
   static_cast<void>(replaced<Matches>("_ZN8eprosima8fastrtps4rtps9PDPSimple20updateInfoMatchesEDPEv"));
@@ -117,7 +121,10 @@ void announce_addresses(fast::DomainParticipant&, const std::vector<os::Ipv4>& a
 }
 
 void announce_again() { announce(false); }
-void follow_clients() { assign_moved_clients(); }
+void has_announced(const rtps::GuidPrefix_t& participant) noexcept { changed_client = participant; }
+void follow_client() {
+  if (is_server && changed_client) assign_client(*std::exchange(changed_client, {}));
+}
 void rejoin(PacketFilter& filter, const std::map<wire::ParticipantNumber, std::string>&, bool also_here) {
   leave_and_join(filter, also_here);
 }
@@ -176,22 +183,9 @@ bool PDP::initPDP(RTPSParticipantImpl* participant) {
       if (!list->unicast.empty()) replace_addresses(list->unicast, list->unicast.begin()->port);
     }
   };
-  assign_moved_clients = [this, known = std::map<GUID_t, std::vector<Locator_t>>{}]() mutable {
-    if (builtin_attributes().discovery_config.discoveryProtocol != DiscoveryProtocol::SERVER) return;
-    std::vector<ParticipantProxyData> moved;
-    {
-      const std::lock_guard lock{*mp_mutex};
-      std::map<GUID_t, std::vector<Locator_t>> now;
-      for (const ParticipantProxyData* each : participant_proxies_) {
-        const auto& unicast = each->metatraffic_locators.unicast;
-        const auto& locators = now[each->m_guid] = {unicast.begin(), unicast.end()};
-        const auto found = known.find(each->m_guid);
-        if (each != getLocalParticipantProxyData() && found != known.end() && found->second != locators)
-          moved.push_back(*each);
-      }
-      known = std::move(now);
-    }
-    for (ParticipantProxyData& each : moved) assignRemoteEndpoints(&each);
+  assign_client = [this](const GuidPrefix_t& number) {
+    ParticipantProxyData* const client = get_participant_proxy_data(number);
+    if (client != nullptr) assignRemoteEndpoints(client);
   };
   leave_and_join = [this](takt::dds::PacketFilter& filter, bool also_here) {
     using takt::dds::Silence;

@@ -25,17 +25,20 @@ namespace takt::dds {
 /// Finds the functions of Fast DDS that own_announcement.cpp replaces; ends the process if one is missing.
 /// Call this function before the participant of this process is created. `follows` says whether this
 /// participant sends discovery messages to the new addresses of others that announce some; with DDS Security
-/// it cannot.
-void prepare_own_announcement(bool follows) noexcept;
+/// it cannot. `serves`: it is a discovery server.
+void prepare_own_announcement(bool follows, bool serves) noexcept;
 /// From now on, this participant announces these addresses, also those of its new readers and writers. Its
 /// present readers and writers announce them when their QoS is set again. Any thread but a real-time one may
 /// call this function while the participant exists.
 void announce_addresses(fast::DomainParticipant& participant, const std::vector<os::Ipv4>& addresses);
 /// Announces this participant once more.
 void announce_again();
+/// The participant listener calls this function when a participant was found or has changed.
+void has_announced(const rtps::GuidPrefix_t& participant) noexcept;
 /// If the participant of this process is a discovery server, it sends discovery messages to the new addresses
-/// of clients that have announced some. Call this function often; it does nothing for other participants.
-void follow_clients();
+/// of the client that this thread last passed to has_announced(). The packet filter calls this function while
+/// no other announcement is handled and no participant is removed.
+void follow_client();
 /// Makes the participant of this process forget others and be forgotten by them, and announces it again. For
 /// half a second in between, the process exchanges nothing with them. The listeners report that they are lost
 /// and found again. `also_here`: participants on this machine, too, and not only those on others. Any thread

@@ -4,8 +4,13 @@
 #include <chrono>
 #include <cstddef>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <thread>
+#include <utility>
+#include <vector>
+
+#include <fastdds/rtps/attributes/RTPSParticipantAttributes.hpp>
 
 #include "leases.hpp"
 #include "message_size.hpp"
@@ -21,6 +26,8 @@
   TAKT_RTPS                                                                                          \
   "8security15SecurityManager27exchange_participant_cryptoESt10shared_ptrINS2_6HandleEERKNS1_6GUID_" \
   "tE"
+#define FOLLOWS TAKT_RTPS "9PDPSimple20updateInfoMatchesEDPEv"
+#define UPDATE TAKT_RTPS "3PDP39local_participant_attributes_update_ntsERKNS1_25RTPSParticipantAttributesE"
 #define FOUND TAKT_RTPS "9PDPSimple26notifyAboveRemoteEndpointsERKNS1_20ParticipantProxyDataEb"
 #define MATCH TAKT_RTPS "9PDPSimple33assign_low_level_remote_endpointsERKNS1_20ParticipantProxyDataEb"
 
@@ -32,6 +39,10 @@ namespace {
 constexpr std::chrono::milliseconds kSilence{500};
 
 void* discovery = nullptr;  // the participant discovery of Fast DDS (PDP)
+bool follows_others = false;
+bool is_server = false;
+std::vector<os::Ipv4> own_addresses;  // empty until the first change
+thread_local std::optional<rtps::GuidPrefix_t> changed_client;
 
 void announce(bool leaves) {
   using Announce = void(void* discovery, bool has_changed, bool leaves);
@@ -48,6 +59,10 @@ std::set<wire::ParticipantNumber> old_members;
 thread_local wire::ParticipantNumber authenticated{};
 
 using ExchangeKeys = bool(void* manager, void* keys, const rtps::GUID_t& other);
+using Update = void(void* discovery, const rtps::RTPSParticipantAttributes& attributes);
+using Follows = bool(void* discovery);
+using Find = void*(void* discovery, const rtps::GuidPrefix_t& participant);
+using Assign = void(void* discovery, void* participant);
 using Found = void(void* discovery, const void* participant, bool is_authenticated);
 
 ExchangeKeys* exchange_keys_original() noexcept {
@@ -56,6 +71,20 @@ ExchangeKeys* exchange_keys_original() noexcept {
 }
 Found* found_original() noexcept {
   static Found* const found = replaced<Found>(FOUND);
+  return found;
+}
+Update* update_original() noexcept {
+  static Update* const found = replaced<Update>(UPDATE);
+  return found;
+}
+Find* find_original() noexcept {
+  static Find* const found =
+      replaced<Find>(TAKT_RTPS "3PDP26get_participant_proxy_dataERKNS1_12GuidPrefix_tE");
+  return found;
+}
+Assign* assign_original() noexcept {
+  static Assign* const found =
+      replaced<Assign>(TAKT_RTPS "9PDPServer21assignRemoteEndpointsEPNS1_20ParticipantProxyDataE");
   return found;
 }
 /// Matches the readers and writers of discovery with those of a participant.
@@ -78,13 +107,46 @@ void drop_spent_tokens() noexcept {}
 
 // ---- own_announcement.hpp
 
-void prepare_own_announcement(bool) noexcept {}
+void prepare_own_announcement(bool follows, bool serves) noexcept {
+  follows_others = follows;
+  is_server = serves;
+  static_cast<void>(update_original());
+  static_cast<void>(replaced<Follows>(FOLLOWS));
+  static_cast<void>(assign_original());
+  static_cast<void>(find_original());
+}
 // Version 3 asks the transport for the addresses, and announces them also for readers and writers.
-void announce_addresses(fast::DomainParticipant& participant, const std::vector<os::Ipv4>&) {
+void announce_addresses(fast::DomainParticipant& participant, const std::vector<os::Ipv4>& addresses) {
+  own_addresses = addresses;
   participant.set_qos(participant.get_qos());
 }
 void announce_again() {}
-void follow_clients() {}
+void has_announced(const rtps::GuidPrefix_t& participant) noexcept { changed_client = participant; }
+void follow_client() {
+  if (!is_server || !changed_client) return;
+  void* const client = find_original()(discovery, *std::exchange(changed_client, {}));
+  if (client != nullptr) assign_original()(discovery, client);
+}
+
+// Called by set_qos(). A discovery server would announce for ever the addresses that it was given.
+Update update_own asm(UPDATE);
+void update_own(void* own, const rtps::RTPSParticipantAttributes& given) {
+  rtps::RTPSParticipantAttributes attributes = given;
+  rtps::LocatorList_t& announced = attributes.builtin.metatrafficUnicastLocatorList;
+  if (!own_addresses.empty() && !announced.empty()) {
+    rtps::Locator_t each = *announced.begin();
+    announced.clear();
+    for (const os::Ipv4& address : own_addresses) {
+      rtps::IPLocator::setIPv4(each, address[0], address[1], address[2], address[3]);
+      announced.push_back(each);
+    }
+  }
+  update_original()(own, attributes);
+}
+
+// Fast DDS asks this when a known participant announces something new.
+Follows follows asm(FOLLOWS);
+bool follows(void*) { return follows_others; }
 
 bool begin_discovery(void* made, void* participant) asm(BEGIN);
 bool begin_discovery(void* made, void* participant) {
