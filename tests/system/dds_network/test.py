@@ -382,6 +382,12 @@ class Served(Matching):
         self.net.set_address("station", 101)
         self.assert_new_ones_are_found("a new address", PEER_DISCOVERY="server=10.77.0.101:11811")
 
+    def test_a_discovery_server_follows_a_client_to_a_new_address(self):
+        self.begin("line")
+        for number in (101, 102):
+            self.net.set_address("line", number)
+            self.assert_new_ones_are_found("a new address of a client")
+
     def test_clients_follow_their_discovery_server_to_another_machine(self):
         self.begin("line")
         for machine in ("spare", "station"):
