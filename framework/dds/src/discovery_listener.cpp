@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <takt/core/words.hpp>
+#include <takt/os/clock.hpp>
 #include "workarounds/own_announcement.hpp"
 
 namespace takt::dds {
@@ -80,6 +81,7 @@ std::string DiscoveryListener::who(const rtps::GuidPrefix_t& prefix) {
 }
 
 void DiscoveryListener::certified(const rtps::GuidPrefix_t& participant, const x509_st& certificate) {
+  losses.authenticated(number_in(participant), os::now());
   {
     const std::lock_guard lock{mutex_};
     Certificate& of = certificates_[participant];
@@ -141,6 +143,7 @@ std::string DiscoveryListener::rejection_of(const std::string& device) {
 }
 
 void DiscoveryListener::announced(const wire::Announcement& announcement, const os::Ipv4& from) {
+  if (announcement.port != 0) losses.announced(announcement.number, {from, announcement.port}, os::now());
   rtps::GuidPrefix_t prefix;
   std::copy(announcement.number.begin(), announcement.number.end(), std::begin(prefix.value));
   {
@@ -166,6 +169,7 @@ void DiscoveryListener::announced(const wire::Announcement& announcement, const 
 
 void DiscoveryListener::lost(const rtps::GuidPrefix_t& participant) {
   KnownParticipants::lost(participant);
+  losses.lost(number_in(participant));
   const std::lock_guard lock{mutex_};
   seen_.erase(participant);
   certificates_.erase(participant);

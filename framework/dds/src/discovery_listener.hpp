@@ -12,6 +12,7 @@
 #include <takt/security/revocations.hpp>
 #include <takt/wire/notices.hpp>
 #include "inside.hpp"
+#include "loss_reports.hpp"
 #include "packet_filter.hpp"
 
 namespace takt::dds {
@@ -71,6 +72,8 @@ class DiscoveryListener final : public KnownParticipants {
   void check_certificates(std::int64_t now);
   /// Returns a sentence that says why this participant no longer accepts the device; empty if it accepts it.
   [[nodiscard]] std::string rejection_of(const std::string& device);
+
+  LossReports losses;
 
  private:
   struct Certificate {

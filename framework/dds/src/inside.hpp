@@ -91,6 +91,7 @@ class OwnParticipant final : public Participant {
  private:
   void follow_machine(std::stop_token end);
   void follow_interfaces();
+  void follow_losses();
   void announce_endpoints();
 
   struct Shared {

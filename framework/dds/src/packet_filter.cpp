@@ -26,6 +26,7 @@ void PacketFilter::pass(std::span<std::uint8_t> packet, const Arrival& arrival,
                         const std::function<void(std::size_t)>& handle) {
   const os::Ipv4& from = arrival.from;
   if (is_silent(arrival.here)) return;
+  if (secured_ && take_loss_report(packet)) return;
   const std::size_t readable = wire::readable_rtps(packet, secured_ ? &security::names_somebody : nullptr);
   if (readable == 0) return drop(from, "it is not a valid RTPS message");
   packet = packet.first(readable);
@@ -61,8 +62,10 @@ void PacketFilter::pass(std::span<std::uint8_t> packet, const Arrival& arrival,
     const bool is_readable = secured_ || !wire::is_protected_rtps(packet);
     if (is_readable && !arrival.in_group) {
       const std::lock_guard lock{mutex_};
-      if (last_messages_.size() == kMostSenders) last_messages_.clear();
-      last_messages_[wire::sender_of(packet)] = os::now();
+      if (heard_.size() == kMostSenders) heard_.clear();
+      Heard& heard = heard_[wire::sender_of(packet)];
+      heard.last = os::now();
+      if (secured_ && wire::is_encrypted(packet)) heard.encrypted = heard.last;
     }
     receive_lock.handle([&] { handle(readable); });
   }
@@ -70,8 +73,25 @@ void PacketFilter::pass(std::span<std::uint8_t> packet, const Arrival& arrival,
 
 std::optional<Instant> PacketFilter::last_message_of(const wire::ParticipantNumber& participant) const {
   const std::lock_guard lock{mutex_};
-  const auto found = last_messages_.find(participant);
-  return found == last_messages_.end() ? std::nullopt : std::optional{found->second};
+  const auto found = heard_.find(participant);
+  return found == heard_.end() ? std::nullopt : std::optional{found->second.last};
+}
+
+void PacketFilter::take_loss_reports(
+    const wire::ParticipantNumber& own,
+    std::function<void(const wire::ParticipantNumber&, std::optional<Instant>)> reported) {
+  const std::lock_guard lock{mutex_};
+  own_ = own;
+  reported_ = std::move(reported);
+}
+
+bool PacketFilter::take_loss_report(std::span<const std::uint8_t> packet) {
+  if (packet.size() != std::tuple_size_v<wire::LossReport>) return false;
+  const std::lock_guard lock{mutex_};
+  if (!reported_ || !wire::is_loss_report(packet, own_)) return false;
+  const auto found = heard_.find(wire::sender_of(packet));
+  reported_(wire::sender_of(packet), found == heard_.end() ? std::nullopt : found->second.encrypted);
+  return true;
 }
 
 void PacketFilter::reject(const wire::ParticipantNumber& participant) {

@@ -18,6 +18,7 @@
 
 #include <takt/core/time.hpp>
 #include <takt/os/network.hpp>
+#include <takt/os/udp_socket.hpp>
 #include <takt/wire/notices.hpp>
 #include <takt/wire/rtps.hpp>
 #include <takt/wire/unauthenticated_participants.hpp>
@@ -73,6 +74,14 @@ class PacketFilter {
   /// address, or if the server is started again on another machine, the client learns the new addresses from
   /// the server, but does not use them.
   void follow(FollowedServer server) { server_ = std::move(server); }
+  /// Calls `reported` with each report that another participant has lost the participant `own`, and with the
+  /// time of the sender's last encrypted message to this participant alone. Anybody may have sent the report.
+  /// Only with DDS Security.
+  void take_loss_reports(
+      const wire::ParticipantNumber& own,
+      std::function<void(const wire::ParticipantNumber& by, std::optional<Instant> heard)> reported);
+  /// Sends a packet past Fast DDS. The transport sets it before the participant exists.
+  std::function<void(std::span<const std::uint8_t> packet, const os::UdpEnd& to)> send;
   /// From now on, drops every packet of this participant, also its announcements.
   void reject(const wire::ParticipantNumber& participant);
 
@@ -92,13 +101,20 @@ class PacketFilter {
  private:
   void drop(const os::Ipv4& from, const char* why);
   [[nodiscard]] bool is_rejected(std::span<const std::uint8_t> packet) const;
+  bool take_loss_report(std::span<const std::uint8_t> packet);
 
   wire::Notices& notices_;
   const bool secured_;
   std::function<void(const wire::Announcement&, const os::Ipv4&)> look_;
   std::optional<FollowedServer> server_;
   mutable std::mutex mutex_;
-  std::map<wire::ParticipantNumber, Instant> last_messages_;
+  wire::ParticipantNumber own_{};
+  std::function<void(const wire::ParticipantNumber&, std::optional<Instant>)> reported_;
+  struct Heard {
+    Instant last;
+    std::optional<Instant> encrypted{};  // the last message that only the participant could send
+  };
+  std::map<wire::ParticipantNumber, Heard> heard_;
   std::set<wire::ParticipantNumber> rejected_;  // a new process has another number, so none is removed
   std::atomic<bool> any_rejected_{false};
 };

@@ -342,6 +342,10 @@ OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publi
   if (discovery_listener_ != nullptr) {
     identity_ = discovery_listener_->mine();
     look_at_log([secured](const std::string& message) { return secured->look(message); });
+    filter_->take_loss_reports(number_in(participant_->guid().guidPrefix),
+                               [secured](const wire::ParticipantNumber& by, std::optional<Instant> heard) {
+                                 secured->losses.reported(by, heard, os::now());
+                               });
   }
   machine_ = std::jthread{[this](std::stop_token end) { follow_machine(std::move(end)); }};
 }
@@ -378,8 +382,10 @@ void OwnParticipant::follow_machine(std::stop_token end) {
     const bool was_halted = os::boot_time() - last > kHalted;
     if (end.stop_requested()) return;
     names_->step(os::now());
-    if (discovery_listener_ != nullptr)
+    if (discovery_listener_ != nullptr) {
       discovery_listener_->check_certificates(os::wall_ns() / 1'000'000'000);
+      follow_losses();
+    }
     if (was_halted && identity_) rejoin(*filter_, others_->names(), true);
     if (news_.take()) {
       while (os::wait_readable({&news_.fd()}, kMoreNewsMs)) news_.take();
@@ -387,6 +393,13 @@ void OwnParticipant::follow_machine(std::stop_token end) {
     }
     last = os::boot_time();
   }
+}
+
+void OwnParticipant::follow_losses() {
+  LossReports& losses = discovery_listener_->losses;
+  for (const auto& [participant, at] : losses.due(os::now()))
+    filter_->send(wire::loss_report(number_in(participant_->guid().guidPrefix), participant), at);
+  for (const wire::ParticipantNumber& participant : losses.take_mutual()) forget(participant);
 }
 
 void OwnParticipant::follow_interfaces() {

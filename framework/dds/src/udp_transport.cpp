@@ -80,6 +80,9 @@ class UdpTransport final : public Transport {
       if (!socket) return false;
       out_.push_back(std::move(*socket));
     }
+    filter_.send = [this](std::span<const std::uint8_t> packet, const os::UdpEnd& to) {
+      static_cast<void>(send(packet, to));
+    };
     return true;
   }
 

@@ -288,6 +288,7 @@ void skip_parameter(std::span<std::uint8_t> message, const Cursor& value) noexce
 constexpr std::uint32_t kParticipants = 0x000100c2;  // entity id of the writer of participant announcements
 constexpr std::uint32_t kParticipantGuid = 0x50;     // parameter that names a participant
 constexpr std::uint32_t kDiscoveryAddress = 0x32;    // parameter with a unicast locator for discovery
+constexpr std::uint32_t kUdpV4 = 1;                  // the kind of a locator
 constexpr std::uint32_t kKeyHash = 0x70;  // parameter with the key of a sample, for participants the GUID
 constexpr std::uint32_t kProofs = 0x000201c3;  // entity id of the writer of authentication messages
 constexpr std::uint32_t kMostProof = 65535;    // largest size of an authentication message, in bytes
@@ -542,6 +543,14 @@ void for_each_list(std::span<const std::uint8_t> message, Of&& of, Each&& each) 
   }
 }
 
+constexpr std::uint8_t kMessagePrefix = 0x33;     // SRTPS_PREFIX
+constexpr std::uint8_t kSubmessagePrefix = 0x31;  // SEC_PREFIX
+constexpr std::size_t kSender = 8;                // where the sender's number is in the header
+// The header of version 2.2 and of the vendor eProsima, and a submessage in little-endian byte order. The
+// numbers of the two participants are 0.
+constexpr LossReport kLossReport{'R', 'T', 'P', 'S', 2, 2, 1,    15, 0,  0, 0,   0,   0,   0,
+                                 0,   0,   0,   0,   0, 0, 0xf7, 1,  16, 0, 'l', 'o', 's', 't'};
+
 bool is_header(std::span<const std::uint8_t> message) noexcept {
   constexpr std::array<std::uint8_t, 5> kBegin{'R', 'T', 'P', 'S', 2};
   return message.size() > kHeader && std::equal(kBegin.begin(), kBegin.end(), message.begin());
@@ -597,7 +606,6 @@ std::vector<std::array<std::uint8_t, 4>> replace_addresses(std::span<std::uint8_
                                                            const ParticipantNumber& participant,
                                                            const std::array<std::uint8_t, 4>& address,
                                                            std::uint16_t port) {
-  constexpr std::uint32_t kUdpV4 = 1;
   constexpr std::size_t kPort = 4;      // where the port is in a locator
   constexpr std::size_t kAddress = 20;  // where the IPv4 address is
   std::vector<std::array<std::uint8_t, 4>> addresses;
@@ -624,8 +632,6 @@ std::vector<std::array<std::uint8_t, 4>> replace_addresses(std::span<std::uint8_
 }
 
 bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept {
-  constexpr std::uint8_t kMessagePrefix = 0x33;
-  constexpr std::uint8_t kSubmessagePrefix = 0x31;
   for (Submessages rest{message}; !rest.empty();) {
     const bool first = rest.left() == message.size() - kHeader;
     const auto one = rest.next();
@@ -655,6 +661,14 @@ bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept {
     }
   }
   return true;
+}
+
+bool is_encrypted(std::span<const std::uint8_t> message) noexcept {
+  for (Submessages rest{message}; !rest.empty();) {
+    const std::uint8_t kind = rest.next().kind;
+    if (kind == kMessagePrefix || kind == kSubmessagePrefix) return true;
+  }
+  return false;
 }
 
 bool concerns_participants(std::span<const std::uint8_t> message) noexcept {
@@ -701,11 +715,24 @@ Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
       if ((parameter & ~kMustUnderstand) == kName) found.name = value.text();
       if ((parameter & ~kMustUnderstand) == kIdentity) read_identity(value);
       if (parameter == kVersion) found.has_version = true;
+      if (parameter == kDiscoveryAddress && value.u32() == kUdpV4)
+        found.port = static_cast<std::uint16_t>(value.u32());
     });
     const bool again = found.of != Announcement::Of::nobody;
     found.of = from_itself && !again ? Announcement::Of::sender : Announcement::Of::other;
   });
   return found;
+}
+
+LossReport loss_report(const ParticipantNumber& sender, const ParticipantNumber& lost) noexcept {
+  LossReport message = kLossReport;
+  std::ranges::copy(sender, message.begin() + kSender);
+  std::ranges::copy(lost, message.end() - static_cast<std::ptrdiff_t>(lost.size()));
+  return message;
+}
+
+bool is_loss_report(std::span<const std::uint8_t> bytes, const ParticipantNumber& lost) noexcept {
+  return bytes.size() == kLossReport.size() && std::ranges::equal(bytes, loss_report(sender_of(bytes), lost));
 }
 
 }  // namespace takt::wire

@@ -80,6 +80,10 @@ class TwoMachines:
         path = "/sys/class/net/net%d/statistics/%s" % (cable, what)
         return int(subprocess.run(["ip", "netns", "exec", self.spaces[machine], "cat", path], check=True, capture_output=True, text=True).stdout)
 
+    def mute(self, machine, mute=True):
+        """The machine receives packets through cable 0, but what it sends is lost."""
+        subprocess.run(["tc", "-n", self.spaces[machine], "qdisc", "add" if mute else "del", "dev", "net0", "root", "blackhole"], check=True)
+
     def limit(self, mtu):
         """Cable 0 loses IP packets to machine line that are longer than this."""
         ip("-n", self.spaces["line"], "link", "set", "net0", "mtu", str(mtu - 4))  # the interface takes 4 bytes more
@@ -296,31 +300,55 @@ class Interfaces(Matching):
                     last += 10
                     time.sleep(0.1)
 
-    def test_secured_processes_of_one_machine_stay_connected_when_it_gets_another_address(self):
-        self.net.connect(0)
-        with tempfile.TemporaryDirectory() as folder:
-            cell = os.path.join(folder, "cell.xml")
+    def secured(self, machine, device, *arguments):
+        """Starts a member of a secured cell."""
+        if not hasattr(self, "keys"):
+            folder = tempfile.TemporaryDirectory()
+            self.addCleanup(folder.cleanup)
+            cell = os.path.join(folder.name, "cell.xml")
             with open(cell, "w") as file:
                 file.write(CELL)
-            keys = os.path.join(folder, "keys")
-            subprocess.run([os.path.join(takt_system.BIN, "takt"), "secure", "init", cell, keys, "--operator", "anna"],
+            self.keys = os.path.join(folder.name, "keys")
+            subprocess.run([os.path.join(takt_system.BIN, "takt"), "secure", "init", cell, self.keys, "--operator", "anna"],
                            check=True, capture_output=True)
+        return self.peer(machine, *arguments, "t", "reliable", "64", PEER_SECURITY=os.path.join(self.keys, "devices", device))
 
-            def secured(machine, device, *arguments):
-                return self.peer(machine, *arguments, "t", "reliable", "64", PEER_SECURITY=os.path.join(keys, "devices", device))
-            tap = secured("robot", "twin", "tap")
-            remote = secured("line", "line", "tap")
-            feed = secured("robot", "robot", "feed")
+    def test_secured_processes_of_one_machine_stay_connected_when_it_gets_another_address(self):
+        self.net.connect(0)
+        tap = self.secured("robot", "twin", "tap")
+        remote = self.secured("line", "line", "tap")
+        feed = self.secured("robot", "robot", "feed")
+        self.match(feed, remote)
+        last = self.match(feed, tap)
+        for host in (11, 12, 13):
+            self.net.change_address("robot", 0, host)
+            for _ in range(30):  # the participants follow the change within this time
+                self.assert_arrive(feed, tap, last + 1, 10)
+                last += 10
+                time.sleep(0.05)
             self.match(feed, remote)
             last = self.match(feed, tap)
-            for host in (11, 12, 13):
-                self.net.change_address("robot", 0, host)
-                for _ in range(30):  # the participants follow the change within this time
-                    self.assert_arrive(feed, tap, last + 1, 10)
-                    last += 10
-                    time.sleep(0.05)
-                self.match(feed, remote)
-                last = self.match(feed, tap)
+
+    def test_secured_participants_find_each_other_again_after_only_one_has_lost_the_other(self):
+        self.net.connect(0)
+        tap = self.secured("line", "line", "tap")
+        feed = self.secured("robot", "robot", "feed")
+        self.match(feed, tap)
+        for mute in ("robot", "line"):
+            self.net.mute(mute)
+            time.sleep(4)  # the lease is 3 s
+            self.net.mute(mute, False)
+            self.found_again(feed, tap, mute + " was mute")
+
+    def test_a_secured_participant_is_found_again_after_a_forged_message_that_it_leaves(self):
+        self.net.connect(0)
+        tap = self.secured("line", "line", "tap")
+        feed = self.secured("robot", "robot", "feed")
+        self.match(feed, tap)
+        time.sleep(5)  # LossReports::kNew
+        forge = os.path.join(os.path.dirname(os.path.abspath(__file__)), "forged_leave.py")
+        subprocess.run([*self.net.on("robot"), sys.executable, forge, "10.80.0.1", "10.80.0.2"], check=True, timeout=takt_system.LONG)
+        self.found_again(feed, tap, "forged leave")
 
 
 class Served(Matching):

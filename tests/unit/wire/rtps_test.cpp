@@ -496,6 +496,8 @@ TEST(ProtectedRtps, MayBeEncryptedAsAWholeOrInEachSubmessage) {
   }
   append(two, 0x09, Body{}.zeros(8));
   EXPECT_TRUE(is_protected(two));
+  EXPECT_TRUE(is_encrypted(two));
+  EXPECT_TRUE(is_encrypted(encrypted(kSrtpsPrefix)));
   append(two, 0x07, Body{}.zeros(8).number(1).number(1).u32(1));
   EXPECT_TRUE(is_unprotected(two)) << "the last submessage is not encrypted";
 }
@@ -503,6 +505,8 @@ TEST(ProtectedRtps, MayBeEncryptedAsAWholeOrInEachSubmessage) {
 TEST(ProtectedRtps, OnlyDiscoveryAndAuthenticationMayBeUnencrypted) {
   EXPECT_TRUE(is_protected(message(0x15, 4, discovery(kGuid, kSpdpWriter))));
   EXPECT_TRUE(is_protected(message(0x15, 4, proof(0, Body{}))));
+  EXPECT_FALSE(is_encrypted(message(0x15, 4, proof(0, Body{}))));
+  EXPECT_FALSE(is_encrypted(message(0x15, 4, discovery(kGuid, kSpdpWriter))));
   EXPECT_TRUE(is_protected(message(0x81, 0, Body{}.zeros(8)))) << "submessages of vendors are skipped";
   for (const std::uint32_t writer : {0x103U, 0x2c2U, 0x3c2U, 0x4c2U, 0x200c2U, 0xff0202c3U}) {
     EXPECT_FALSE(is_protected_rtps(message(0x15, 0, data_head(writer)))) << writer;
@@ -635,6 +639,21 @@ TEST(Announcement, AnnouncesOnlyTheAddressThatReplacesThoseOfItsParticipant) {
   ASSERT_TRUE(is_rtps(sent));
   EXPECT_EQ(replace_addresses(sent, server, {240, 0, 0, 1}, 4660), std::vector{first});
   EXPECT_EQ(sent, reversed(Body{}.id(1).id(4660).zeros(12).id(0xf0000001)));
+}
+
+TEST(LossReport, NamesWhoHasLostWhom) {
+  const ParticipantNumber robot{1, 15, 1};
+  const ParticipantNumber line{1, 15, 2};
+  const LossReport report = loss_report(line, robot);
+  EXPECT_TRUE(is_loss_report(report, robot));
+  EXPECT_FALSE(is_loss_report(report, line));
+  EXPECT_EQ(sender_of(report), line);
+  for (std::size_t i = 0; i < report.size(); ++i) {
+    LossReport other = report;
+    other[i] ^= 1U;
+    EXPECT_EQ(is_loss_report(other, robot), i >= 8 && i < 20) << "byte " << i;  // the sender
+    EXPECT_FALSE(is_loss_report(std::span{report}.first(i), robot));
+  }
 }
 
 TEST(Announcement, ContainsAVersionIfTheParticipantHasFastDds3) {

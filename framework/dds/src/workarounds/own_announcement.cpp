@@ -50,6 +50,7 @@ constexpr std::chrono::milliseconds kSilence{500};
 
 // Fast DDS gives no access to its participant discovery (PDP), so initPDP() keeps it.
 std::function<void(takt::dds::PacketFilter&, bool)> leave_and_join;
+std::function<void(const rtps::GUID_t&)> forget_one;
 std::function<void()> set_own_addresses;
 std::function<void(bool changed)> announce;
 std::function<void(const rtps::GuidPrefix_t&)> assign_client;
@@ -125,6 +126,11 @@ void has_announced(const rtps::GuidPrefix_t& participant) noexcept { changed_cli
 void follow_client() {
   if (is_server && changed_client) assign_client(*std::exchange(changed_client, {}));
 }
+void forget(const wire::ParticipantNumber& participant) {
+  rtps::GUID_t other{{}, rtps::c_EntityId_RTPSParticipant};
+  std::copy(participant.begin(), participant.end(), other.guidPrefix.value);
+  forget_one(other);
+}
 void rejoin(PacketFilter& filter, const std::map<wire::ParticipantNumber, std::string>&, bool also_here) {
   leave_and_join(filter, also_here);
 }
@@ -165,6 +171,9 @@ void PDPSimple::assignRemoteEndpoints(ParticipantProxyData* other) {
 }
 
 bool PDP::initPDP(RTPSParticipantImpl* participant) {
+  forget_one = [this](const GUID_t& other) {
+    remove_remote_participant(other, ParticipantDiscoveryInfo::DROPPED_PARTICIPANT);
+  };
   announce = [this](bool changed) { announceParticipantState(changed, false); };
   announce_soon = [this] {
     const std::lock_guard lock{*mp_mutex};
@@ -205,8 +214,7 @@ bool PDP::initPDP(RTPSParticipantImpl* participant) {
       }
     }
     // remove_remote_participant() ignores this participant itself.
-    for (const GUID_t& each : others)
-      remove_remote_participant(each, ParticipantDiscoveryInfo::DROPPED_PARTICIPANT);
+    for (const GUID_t& each : others) forget_one(each);
     filter.silence = Silence::none;
     announceParticipantState(true, false);
   };

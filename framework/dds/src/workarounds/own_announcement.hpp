@@ -8,8 +8,8 @@
 // Participants that hear nothing of a halted one for the lease forget it. But the halted one does not forget
 // them, because their announcements wait in its socket. With DDS Security, Fast DDS 2.9.1 then never
 // authenticates the two again: one side begins a new authentication, and the other side ignores it, because
-// it has already authenticated its partner. So they do not communicate again until one of them ends, or until
-// it rejoins.
+// it has already authenticated its partner. So they do not communicate again until one of them ends or
+// rejoins, or until a loss was reported (loss_reports.hpp).
 #pragma once
 
 #include <map>
@@ -39,6 +39,9 @@ void has_announced(const rtps::GuidPrefix_t& participant) noexcept;
 /// of the client that this thread last passed to has_announced(). The packet filter calls this function while
 /// no other announcement is handled and no participant is removed.
 void follow_client();
+/// Makes the participant of this process forget another one, until that one announces itself again. Any
+/// thread but a real-time one may call this function while the participant exists.
+void forget(const wire::ParticipantNumber& participant);
 /// Makes the participant of this process forget others and be forgotten by them, and announces it again. For
 /// half a second in between, the process exchanges nothing with them. The listeners report that they are lost
 /// and found again. `also_here`: participants on this machine, too, and not only those on others. Any thread

@@ -156,6 +156,12 @@ bool begin_discovery(void* made, void* participant) {
   return original(made, participant);
 }
 
+void forget(const wire::ParticipantNumber& participant) {
+  rtps::GUID_t other{{}, rtps::c_EntityId_RTPSParticipant};
+  std::copy(participant.begin(), participant.end(), other.guidPrefix.value);
+  forget_participant(discovery, other);
+}
+
 void rejoin(PacketFilter& filter, const std::map<wire::ParticipantNumber, std::string>& known,
             bool also_here) {
   filter.silence = also_here ? Silence::none : Silence::on_this_machine;
@@ -165,10 +171,7 @@ void rejoin(PacketFilter& filter, const std::map<wire::ParticipantNumber, std::s
   filter.silence = also_here ? Silence::everywhere : Silence::on_other_machines;
   std::this_thread::sleep_for(kSilence);
   for (const auto& [number, name] : known) {
-    if (!also_here && is_near(number)) continue;
-    rtps::GUID_t other{{}, rtps::c_EntityId_RTPSParticipant};
-    std::copy(number.begin(), number.end(), other.guidPrefix.value);
-    forget_participant(discovery, other);
+    if (also_here || !is_near(number)) forget(number);
   }
   filter.silence = Silence::none;
   announce(false);

@@ -46,6 +46,10 @@ void skip_unused_parameters(std::span<std::uint8_t> message) noexcept;
 /// function; it does not allocate.
 [[nodiscard]] bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept;
 
+/// Returns true if a readable message for which is_protected_rtps() returned true has an encrypted part. Any
+/// thread may call this function; it does not allocate.
+[[nodiscard]] bool is_encrypted(std::span<const std::uint8_t> message) noexcept;
+
 /// Returns true if a readable message announces that a participant exists, has changed or leaves. Any thread
 /// may call this function; it does not allocate.
 [[nodiscard]] bool concerns_participants(std::span<const std::uint8_t> message) noexcept;
@@ -76,6 +80,7 @@ struct Announcement {
   std::string_view subject{};
   std::string_view authority{};  ///< who issued this identity
   bool has_version = false;      ///< contains a version of Fast DDS, as those of Fast DDS 3 do
+  std::uint16_t port = 0;  ///< where the participant receives discovery messages (UDP, IPv4); 0: unknown
 };
 
 /// Returns which participant a message announces. Requires that is_protected_rtps() returned true for the
@@ -83,5 +88,14 @@ struct Announcement {
 /// texts in the announcement are parts of the message. Any thread may call this function; it does not
 /// allocate.
 [[nodiscard]] Announcement announcement_in(std::span<const std::uint8_t> message) noexcept;
+
+/// A message with which a participant tells another one that it has lost it. Only Takt knows this message: it
+/// consists of a vendor-specific submessage.
+using LossReport = std::array<std::uint8_t, 40>;
+[[nodiscard]] LossReport loss_report(const ParticipantNumber& sender, const ParticipantNumber& lost) noexcept;
+/// Returns true if these bytes are such a message about the participant `lost`. sender_of() returns who has
+/// lost it. Any thread may call this function; it does not allocate.
+[[nodiscard]] bool is_loss_report(std::span<const std::uint8_t> bytes,
+                                  const ParticipantNumber& lost) noexcept;
 
 }  // namespace takt::wire
