@@ -64,6 +64,8 @@ Result<void> LiveProperties::set(const Values& values) {
 // Makes the setting thread the owner of waiting_. Properties whose new value the calling thread has not taken
 // over yet stay in waiting_.
 void LiveProperties::withdraw() {
+  // If the calling thread has taken values over, this load acquires its changes to the properties; it pairs
+  // with the last store in take_over_waiting().
   State state = State::waiting;
   if (state_.compare_exchange_strong(state, State::none, std::memory_order_acquire)) return;
   // The calling thread is taking the values over. It only swaps a few values, so this loop is short unless
@@ -74,7 +76,7 @@ void LiveProperties::withdraw() {
 }
 
 void LiveProperties::take_over_waiting() noexcept {
-  State state = State::waiting;
+  State state = State::waiting;  // acquires the proposals; pairs with the last store in set()
   if (!state_.compare_exchange_strong(state, State::taken_over, std::memory_order_acquire)) return;
   for (PropertyBase* property : waiting_) property->take_over();
   state_.store(State::none, std::memory_order_release);  // after the values are taken over

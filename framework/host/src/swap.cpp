@@ -130,6 +130,7 @@ class Work {
   void begin_to_save() {
     const std::uint64_t number = swap_.place.whole.load(std::memory_order_relaxed);
     swap_.next.save_in(swap_.place);
+    // Pairs with the store in SavedState::save().
     while (swap_.next.saves() != nullptr && swap_.place.whole.load(std::memory_order_acquire) == number &&
            !out())
       os::sleep_until(os::now() + microseconds{500});
@@ -137,6 +138,7 @@ class Work {
   // Waits until the module's next run() has ended, because from then on, most time is left until the
   // following run().
   void wait_for_run() const {
+    // Relaxed: only the time matters. Nothing that the run() has written is read here.
     const std::uint64_t cycles = swap_.block.cycles.load(std::memory_order_relaxed);
     while (swap_.block.cycles.load(std::memory_order_relaxed) == cycles && !out())
       os::sleep_until(os::now() + microseconds{20});

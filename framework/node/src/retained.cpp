@@ -107,7 +107,7 @@ std::optional<Result<void>> Retained::updated(const channel::SavedState& state) 
 void Retained::write_changes() {
   for (std::size_t i = 0; i < all_.size(); ++i) {
     One& one = all_[i];
-    const std::uint64_t number = one.state->whole.load(std::memory_order_acquire);
+    const std::uint64_t number = one.state->whole.load(std::memory_order_acquire);  // pairs with save()
     if (number == one.written) continue;
     Result<void> written;
     if (number == 0) {

@@ -286,6 +286,7 @@ void Supervisor::go(Instant t0) {
   phase_ = Phase::running;
   t0_ = t0;
   if (t0 < time()) join_grid(t0);
+  // Hosts and process modules read t0 after the request to begin or their first release, which come later.
   for (const auto& host : hosts_) host->block.t0_ns.store(to_ns(t0), std::memory_order_release);
   for (auto& member : members_) {
     if (member->slot != nullptr) member->slot->t0_ns.store(to_ns(t0), std::memory_order_relaxed);

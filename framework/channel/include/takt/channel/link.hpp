@@ -278,7 +278,8 @@ class BasicLink {
   void give_safe(std::span<const std::byte> value) const noexcept {
     if (value.size() > layout_.safe_room()) return;
     std::copy(value.begin(), value.end(), safe_);
-    block_->safe_size.store(static_cast<std::uint32_t>(value.size()), std::memory_order_release);
+    block_->safe_size.store(static_cast<std::uint32_t>(value.size()),
+                            std::memory_order_release);  // after the bytes; pairs with the load in safe()
   }
   /// Makes all samples untrusted from now on, because the writer does not execute. The node calls it, even
   /// while the writer is writing.
@@ -286,6 +287,8 @@ class BasicLink {
   /// Makes all samples that are written from now on trusted, because the writer executes or is about to
   /// execute. The node calls it.
   void trust() const noexcept {
+    // Only the node stores `trusted_from`. A sample that the writer publishes at this moment may count as
+    // trusted or not: its number is not compared with anything else.
     if (block_->trusted_from.load(std::memory_order_relaxed) != kNobody) return;
     const std::uint64_t written = block_->written.load(std::memory_order_relaxed);
     block_->trusted_from.store(written + 1, std::memory_order_release);
@@ -320,6 +323,7 @@ class BasicLink {
     std::copy(value.begin(), value.end(), force_);
     block_->force_size.store(static_cast<std::uint32_t>(value.size()), std::memory_order_relaxed);
     block_->force_until_ns.store(until_ns, std::memory_order_relaxed);
+    // After the bytes, their size and the time: whoever reads this number reads those, too.
     block_->forced.store(number, std::memory_order_seq_cst);
     return true;
   }
@@ -360,6 +364,9 @@ struct LinkPlace {
   std::uint64_t sequence = 0;
 };
 
+// find_writer() and find_reader() run when the process of the side has ended or the side is not active, so
+// all its stores are visible. They are release stores, so also a processor that reorders stores has made them
+// in the order of the code: up to the point at which the process was killed, and none after it.
 template <template <class> class Atomic>
 LinkPlace find_writer(const BasicLink<Atomic>& link) noexcept {
   constexpr auto acquire = std::memory_order_acquire;
@@ -476,7 +483,8 @@ class BasicLinkWriter {
       block.writer_takes.store(SlotWord::make(false, sequence_, SlotWord::index(old)),
                                std::memory_order_release);
     } while (!slot.compare_exchange_strong(old, mine, std::memory_order_seq_cst, std::memory_order_acquire));
-    // From now on, the writer has the buffer of `old`, and the reader may take the sample. The exchange is
+    // From now on, the writer has the buffer of `old`, and the reader may take the sample. The exchange
+    // releases the sample to take(), and acquires what the reader has read from the buffer of `old`. It is
     // sequentially consistent, because the writer then loads whether the reader sleeps (WakeBits::note()),
     // and the reader announces its sleep and then calls news_at().
     private_ = SlotWord::index(old);
@@ -530,6 +538,7 @@ class BasicLinkReader {
   /// The monotonic time in ns from which take() finds a sample: 0 for at once, kNever if there is no sample.
   /// Threads other than the reader's may also call this, but their result may already be out of date.
   [[nodiscard]] std::int64_t news_at() const noexcept {
+    // See publish(). The load also acquires the sample's `valid_ns`.
     const std::uint64_t word = link_.slot(place()).load(std::memory_order_seq_cst);
     if (!SlotWord::full(word) || !link_.has_buffer(SlotWord::index(word))) return kNever;
     return link_.head(SlotWord::index(word)).valid_ns.load(std::memory_order_relaxed);
@@ -563,7 +572,8 @@ class BasicLinkReader {
                                         std::memory_order_seq_cst, std::memory_order_acquire)) {
         continue;
       }
-      // From now on, the reader has the sample, and the writer may take the reader's former buffer.
+      // From now on, the reader has the sample, and the writer may take the reader's former buffer. The
+      // exchange acquires the sample, and releases that buffer after the reader's last access to it.
       private_ = SlotWord::index(word);
       block.reader_has.store(takes, std::memory_order_release);
       block.taken.store(block.taken.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);

@@ -100,6 +100,7 @@ struct alignas(64) LogRing {
         // free, too.
         const std::uint64_t last = position + reserved;
         if (records[last % kRecords].state.load(std::memory_order_relaxed) < last / kRecords * 2) break;
+        // Relaxed: `claimed` only distributes the records. `state` says when a record is free or complete.
         if (claimed.compare_exchange_weak(position, position + 1, std::memory_order_relaxed)) record = &next;
       } else if (state < free) {
         break;  // the ring is full: the reader has not read this record yet

@@ -23,6 +23,7 @@ struct ModuleMemory {
 
 /// Puts the module into the tables. The node calls this function.
 inline void put_in(const ModuleMemory& memory) noexcept {
+  // Relaxed: an executor loads `in_tables`, which is stored later, before it loads `entered`.
   memory.block->entered.store(memory.block->entered.load(std::memory_order_relaxed) + 1,
                               std::memory_order_relaxed);
   memory.block->in_tables.store(1, std::memory_order_seq_cst);
