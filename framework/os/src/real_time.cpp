@@ -219,12 +219,14 @@ Result<Thread> Thread::start(const Options& options, std::function<void()> body,
   pthread_attr_t attributes;
   ::pthread_attr_init(&attributes);
   ::pthread_attr_setstacksize(&attributes, options.stack_bytes);
+  sigset_t before;
   if (!options.handles_signals) {
     sigset_t blocked;
     ::sigfillset(&blocked);
     for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGABRT, SIGSYS})
       ::sigdelset(&blocked, own);
-    ::pthread_attr_setsigmask_np(&attributes, &blocked);
+    // The new thread inherits this. With pthread_attr_setsigmask_np(), AddressSanitizer would undo it there.
+    ::pthread_sigmask(SIG_SETMASK, &blocked, &before);
   }
   // The new thread itself sets its priority and CPU before it runs `body`. If the system denies them, the
   // thread runs without them.
@@ -249,6 +251,7 @@ Result<Thread> Thread::start(const Options& options, std::function<void()> body,
   Thread thread;
   const int error = ::pthread_create(&thread.thread_, &attributes, run_thread, start.get());
   ::pthread_attr_destroy(&attributes);
+  if (!options.handles_signals) ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (error != 0)
     return error_problem("a thread could not be created", error, "free memory or raise the limit on threads");
   start.release();  // NOLINT(bugprone-unused-return-value): the new thread owns it
