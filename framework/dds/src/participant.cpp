@@ -82,8 +82,8 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
   config.leaseDuration_announcementperiod = duration(kAnnounceEvery);
   // The first announcements can be lost if two participants start at the same time. Each pause between them
   // is twice as long as the one before (own_announcement.cpp).
-  config.initial_announcements.count = 5;
-  config.initial_announcements.period = {0, 20'000'000};
+  config.initial_announcements.count = kFirstAnnouncements;
+  config.initial_announcements.period = duration(kFirstPause);
   switch (discovery.kind) {
     case model::Discovery::Kind::multicast:
       break;

@@ -41,10 +41,6 @@ Assign* original_assign() noexcept {
   return found;
 }
 
-// The announcements with short pauses after another participant was found: after 100 and 300 ms.
-constexpr std::uint32_t kMoreAnnouncements = 2;
-const eprosima::fastrtps::Duration_t kSoon{0, 100'000'000};
-
 // The longest time that another participant is expected to need to handle all packets sent to it.
 constexpr std::chrono::milliseconds kSilence{500};
 
@@ -178,8 +174,8 @@ bool PDP::initPDP(RTPSParticipantImpl* participant) {
   announce_soon = [this] {
     const std::lock_guard lock{*mp_mutex};
     if (initial_announcements_.count > 0) return;
-    initial_announcements_.count = kMoreAnnouncements;
-    initial_announcements_.period = kSoon;
+    initial_announcements_.count = takt::dds::kMoreAnnouncements;
+    initial_announcements_.period = takt::dds::duration(takt::dds::kMorePause);
     stopParticipantAnnouncement();
     set_next_announcement_interval();
     resetParticipantAnnouncement();

@@ -12,6 +12,8 @@
 // rejoins, or until a loss was reported (loss_reports.hpp).
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -21,6 +23,13 @@
 #include "../packet_filter.hpp"
 
 namespace takt::dds {
+
+// Each pause between the first announcements is twice as long as the one before: 20, 40 ... 320 ms.
+inline constexpr std::uint32_t kFirstAnnouncements = 5;
+inline constexpr Nanoseconds kFirstPause = std::chrono::milliseconds{20};
+// After another participant was found, more announcements follow: after 100 and 300 ms.
+inline constexpr std::uint32_t kMoreAnnouncements = 2;
+inline constexpr Nanoseconds kMorePause = std::chrono::milliseconds{100};
 
 /// Finds the functions of Fast DDS that own_announcement.cpp replaces; ends the process if one is missing.
 /// Call this function before the participant of this process is created. `follows` says whether this

@@ -26,6 +26,9 @@
   TAKT_RTPS                                                                                          \
   "8security15SecurityManager27exchange_participant_cryptoESt10shared_ptrINS2_6HandleEERKNS1_6GUID_" \
   "tE"
+#define NEXT_PAUSE TAKT_RTPS "3PDP30set_next_announcement_intervalEv"
+#define SET_PAUSE TAKT_RTPS "10TimedEvent15update_intervalERKNS0_3dds6Time_tE"
+#define ASSIGN TAKT_RTPS "9PDPSimple21assignRemoteEndpointsEPNS1_20ParticipantProxyDataE"
 #define FOLLOWS TAKT_RTPS "9PDPSimple20updateInfoMatchesEDPEv"
 #define UPDATE TAKT_RTPS "3PDP39local_participant_attributes_update_ntsERKNS1_25RTPSParticipantAttributesE"
 #define FOUND TAKT_RTPS "9PDPSimple26notifyAboveRemoteEndpointsERKNS1_20ParticipantProxyDataEb"
@@ -43,6 +46,12 @@ bool follows_others = false;
 bool is_server = false;
 std::vector<os::Ipv4> own_addresses;  // empty until the first change
 thread_local std::optional<rtps::GuidPrefix_t> changed_client;
+
+// The next announcements with short pauses. The mutex protects both.
+std::mutex pause_mutex;
+std::uint32_t short_pauses = kFirstAnnouncements;
+Nanoseconds next_pause = kFirstPause;
+thread_local bool sets_pause = false;  // of the announcements
 
 void announce(bool leaves) {
   using Announce = void(void* discovery, bool has_changed, bool leaves);
@@ -64,6 +73,8 @@ using Follows = bool(void* discovery);
 using Find = void*(void* discovery, const rtps::GuidPrefix_t& participant);
 using Assign = void(void* discovery, void* participant);
 using Found = void(void* discovery, const void* participant, bool is_authenticated);
+using NextPause = void(void* discovery);
+using SetPause = bool(void* timer, const Duration& pause);
 
 ExchangeKeys* exchange_keys_original() noexcept {
   static ExchangeKeys* const found = replaced<ExchangeKeys>(EXCHANGE_KEYS);
@@ -85,6 +96,18 @@ Find* find_original() noexcept {
 Assign* assign_original() noexcept {
   static Assign* const found =
       replaced<Assign>(TAKT_RTPS "9PDPServer21assignRemoteEndpointsEPNS1_20ParticipantProxyDataE");
+  return found;
+}
+NextPause* next_pause_original() noexcept {
+  static NextPause* const found = replaced<NextPause>(NEXT_PAUSE);
+  return found;
+}
+SetPause* set_pause_original() noexcept {
+  static SetPause* const found = replaced<SetPause>(SET_PAUSE);
+  return found;
+}
+Assign* assign_simply_original() noexcept {
+  static Assign* const found = replaced<Assign>(ASSIGN);
   return found;
 }
 /// Matches the readers and writers of discovery with those of a participant.
@@ -114,6 +137,9 @@ void prepare_own_announcement(bool follows, bool serves) noexcept {
   static_cast<void>(replaced<Follows>(FOLLOWS));
   static_cast<void>(assign_original());
   static_cast<void>(find_original());
+  static_cast<void>(next_pause_original());
+  static_cast<void>(set_pause_original());
+  static_cast<void>(assign_simply_original());
 }
 // Version 3 asks the transport for the addresses, and announces them also for readers and writers.
 void announce_addresses(fast::DomainParticipant& participant, const std::vector<os::Ipv4>& addresses) {
@@ -126,6 +152,46 @@ void follow_client() {
   if (!is_server || !changed_client) return;
   void* const client = find_original()(discovery, *std::exchange(changed_client, {}));
   if (client != nullptr) assign_original()(discovery, client);
+}
+
+// Sets the pause until the next announcement.
+NextPause set_next_pause asm(NEXT_PAUSE);
+void set_next_pause(void* own) {
+  sets_pause = true;
+  next_pause_original()(own);
+  sets_pause = false;
+}
+SetPause set_pause asm(SET_PAUSE);
+bool set_pause(void* timer, const Duration& given) {
+  if (!sets_pause) return set_pause_original()(timer, given);
+  Duration pause = given;
+  {
+    const std::lock_guard lock{pause_mutex};
+    if (short_pauses > 0) {
+      --short_pauses;
+      pause = duration(std::exchange(next_pause, 2 * next_pause));
+    }
+  }
+  return set_pause_original()(timer, pause);
+}
+
+// Called when this participant has found another one. Fast DDS then announces this participant once, perhaps
+// before the other one can receive it.
+Assign assign_simply asm(ASSIGN);
+void assign_simply(void* own, void* other) {
+  assign_simply_original()(own, other);
+  {
+    const std::lock_guard lock{pause_mutex};
+    if (short_pauses > 0) return;
+    short_pauses = kMoreAnnouncements;
+    next_pause = kMorePause;
+  }
+  using Pause = void(void* discovery);
+  static Pause* const stop = replaced<Pause>(TAKT_RTPS "3PDP27stopParticipantAnnouncementEv");
+  static Pause* const restart = replaced<Pause>(TAKT_RTPS "3PDP28resetParticipantAnnouncementEv");
+  stop(own);
+  set_next_pause(own);
+  restart(own);
 }
 
 // Called by set_qos(). A discovery server would announce for ever the addresses that it was given.
