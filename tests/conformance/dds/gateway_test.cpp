@@ -662,6 +662,29 @@ TEST_F(DeceivedGateway, StoresOnlyTheBeginningOfAGapAfterAMissingSample) {
   EXPECT_LT(resident_bytes(), before + 100'000'000);
 }
 
+// Fast DDS stores the first fragments of a sample without a key like a complete one.
+TEST_F(DeceivedGateway, ForgetsTheFragmentsOfASampleThatAGapSkips) {
+  deceive("reliable");
+  send(half(2, 1));
+  send(gap(2, 3));
+  send(half(3, 1));  // in the memory of sample 2
+  send(data(3, bytes_of(7)));
+  send(data(1, bytes_of(8)));
+  EXPECT_TRUE(soon([&] { return health(deceived_).samples == 2; })) << health(deceived_).samples;
+  expect_that_the_gateway_works();
+  EXPECT_EQ(health(deceived_).refused, 0U);
+}
+
+// Then an assertion of Fast DDS 3 would end the process.
+TEST_F(DeceivedGateway, GivesUpAnIncompleteSampleAfterALaterOne) {
+  deceive("best_effort");
+  send(half(1, 1));
+  send(data(2, bytes_of(7)));
+  send(half(3, 1));
+  send(data(4, bytes_of(8)));
+  EXPECT_TRUE(soon([&] { return health(deceived_).samples == 2; })) << health(deceived_).samples;
+}
+
 class DeceivedFragments : public DeceivedGateway, public testing::WithParamInterface<const char*> {
  protected:
   void SetUp() override {
@@ -835,6 +858,16 @@ TEST_F(DeceivedReader, RefusesALongSampleThatWouldHaveToWait) {
     send(data(2, std::vector<std::byte>(10000)));
     return participant_->refused() > before;
   }));
+}
+
+// A sample that cannot be decoded has no key, so that an assertion of Fast DDS 3 would end the process.
+TEST_F(DeceivedReader, RefusesSamplesThatCannotBeDecoded) {
+  for (std::uint64_t i = 1; i <= 3; ++i) send(data(i, std::vector<std::byte>(20, std::byte{0xff})));
+  send(half(4, 1));
+  send(half(4, 2));
+  EXPECT_TRUE(soon([&] { return reader_->refused() >= 4; })) << reader_->refused();
+  expect_that_the_gateway_works();
+  EXPECT_EQ(received_, 0U);
 }
 
 // Fast DDS would handle this invalid sample once more after the reader has dropped it.

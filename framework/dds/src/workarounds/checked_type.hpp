@@ -34,7 +34,15 @@ class CheckedType final : public Generated, public Undecoded {
   }
 #else
   bool deserialize(rtps::SerializedPayload_t& payload, void* data) override { return decode(payload, data); }
-  using Generated::compute_key;  // from a payload; it calls the other one
+  // Fast DDS would store a sample without a key, and then an assertion would end the process. So all samples
+  // that cannot be decoded get one key, which no valid sample has. They are dropped when they are taken.
+  bool compute_key(rtps::SerializedPayload_t& payload, rtps::InstanceHandle_t& handle,
+                   bool force_md5 = false) override {
+    if (!this->is_compute_key_provided) return false;
+    if (!Generated::compute_key(payload, handle, force_md5))
+      std::fill_n(&handle.value[0], 16, std::uint8_t{0xff});
+    return true;
+  }
   bool compute_key(const void* data, rtps::InstanceHandle_t& handle, bool force_md5 = false) override {
     const std::lock_guard lock{mutex_};
     return Generated::compute_key(data, handle, force_md5);

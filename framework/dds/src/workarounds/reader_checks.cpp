@@ -34,6 +34,7 @@
 #define GAP TAKT_RTPS "14StatefulReader15process_gap_msgE"
 #define RESERVE TAKT_RTPS "10BaseReader13reserve_cacheEjRPNS1_13CacheChange_tE"
 #define RELEASE TAKT_RTPS "10BaseReader13release_cacheEPNS1_13CacheChange_tE"
+#define HANDLED TAKT_RTPS "10BaseReader20update_last_notifiedERKNS1_6GUID_tERKNS1_16SequenceNumber_tE"
 #define SAMPLE "NS0_4rtps13CacheChange_tE"
 #endif
 #define GAP_OF                                                             \
@@ -92,6 +93,9 @@ struct Functions {
   using Gap = bool(rtps::RTPSReader*, const rtps::GUID_t&, const rtps::SequenceNumber_t&,
                    const rtps::SequenceNumberSet_t&, std::array<std::uint8_t, 2>);
   using Reserve = bool(rtps::RTPSReader*, std::uint32_t, rtps::CacheChange_t*&);
+  using Handled = rtps::SequenceNumber_t(rtps::RTPSReader*, const rtps::GUID_t&,
+                                         const rtps::SequenceNumber_t&);
+  Handled* handled = replaced<Handled>(HANDLED);
 #endif
   using Release = void(rtps::RTPSReader*, rtps::CacheChange_t*);
   using Next = rtps::SequenceNumber_t(Known*);
@@ -343,6 +347,11 @@ bool check_gap(rtps::RTPSReader& reader, const rtps::GUID_t& writer, const rtps:
   const std::lock_guard lock{reader.getMutex()};
   Known* known = nullptr;
   if (!functions().accepts(&reader, writer, &known) || known == nullptr) return false;
+  // Fast DDS would free an incomplete sample that the GAP skips, but leave it among those of its key.
+  forget(history_of(reader), [&](rtps::CacheChange_t& each) {
+    return each.writerGUID == writer && !each.is_fully_assembled() && start <= each.sequenceNumber &&
+           (each.sequenceNumber < list.base() || list.is_set(each.sequenceNumber));
+  });
   const rtps::SequenceNumber_t next = functions().last(known) + 1;
   const rtps::SequenceNumber_t end = list.base();
   if (start <= next && start < end) {
@@ -373,6 +382,18 @@ bool process_gap(rtps::RTPSReader* reader, const rtps::GUID_t& writer, const rtp
   });
 }
 bool reserve(rtps::RTPSReader* reader, std::uint32_t size, rtps::CacheChange_t*& made) asm(RESERVE);
+
+// Notes that the samples of a writer up to this number are handled, and returns the last number before, from
+// which Fast DDS counts lost samples. When a best-effort reader gives up a sample of which fragments are
+// missing, it may have received later ones. Then an assertion would end the process; 0 means that no sample
+// counts as lost.
+rtps::SequenceNumber_t note_handled(rtps::RTPSReader* reader, const rtps::GUID_t& writer,
+                                    const rtps::SequenceNumber_t& number) asm(HANDLED);
+rtps::SequenceNumber_t note_handled(rtps::RTPSReader* reader, const rtps::GUID_t& writer,
+                                    const rtps::SequenceNumber_t& number) {
+  const rtps::SequenceNumber_t before = functions().handled(reader, writer, number);
+  return before < number ? before : rtps::SequenceNumber_t{};
+}
 #endif
 
 bool process_data(rtps::RTPSReader* reader, rtps::CacheChange_t* sample) {
