@@ -255,7 +255,7 @@ class Log(takt_system.Case):
         self.wait_for_line("program", "log-warning", "level is at  1.50 of 3")
         self.assertEqual(["info"], self.done("get robot.cpp log-level"))
         for module in ("cpp", "c", "program"):
-            self.assertIn("log-level", self.takt("complete", "properties", "", "robot." + module).out.split())
+            wait_until(lambda: "log-level" in self.takt("complete", "properties", "", "robot." + module).out.split(), "log-level")
         self.assertFalse([line for line in self.lines() if line[1] == "log-debug"])
         self.refused({"set robot.cpp log-level loud": r"^module robot\.cpp: error: property 'log-level' cannot be 'loud'; .*debug",
                       "set robot.cpp log-levl debug": "has no property 'log-levl'; did you mean log-level",

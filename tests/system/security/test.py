@@ -203,7 +203,7 @@ class Security(takt_system.Case):
         echo = self.as_one("operators/anna", "echo", "robot.plainly_visible.out", "--count", "3")
         self.assertEqual((0, 3), (echo.status, len(echo.out.splitlines())), echo.err)
         # An observer can read everything and change nothing.
-        self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states("observers/eve"))
+        wait_until(lambda: self.states("observers/eve") == {"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, "both modules")
         echo = self.as_one("observers/eve", "echo", "robot.plainly_visible.out", "--count", "3")
         self.assertEqual((0, 3), (echo.status, len(echo.out.splitlines())), echo.err)
         stop = self.as_one("observers/eve", "stop", "robot.plainly_visible")
@@ -218,7 +218,7 @@ class Security(takt_system.Case):
         self.assertRegex(call.err, "observers/eve: error: observer eve may only observe, not call; give the identity folder of an operator")
         undeploy = self.as_one("observers/eve", "undeploy", "guarded")
         self.assertEqual(1, undeploy.status, undeploy.err)
-        self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states())
+        wait_until(lambda: self.states() == {"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, "both modules")
 
         stop = self.as_one("operators/anna", "stop", "robot.plainly_visible")
         self.assertEqual(0, stop.status, stop.err)
