@@ -340,6 +340,15 @@ class Interfaces(Matching):
             self.net.mute(mute, False)
             self.found_again(feed, tap, mute + " was mute")
 
+    def test_secured_participants_authenticate_also_if_one_is_mute_for_the_first_17_s(self):
+        self.net.connect(0)
+        self.net.mute("robot")
+        tap = self.secured("line", "line", "tap")
+        feed = self.secured("robot", "robot", "feed")
+        time.sleep(17)
+        self.net.mute("robot", False)
+        self.found_again(feed, tap, "robot was mute")
+
     def test_a_secured_participant_is_found_again_after_a_forged_message_that_it_leaves(self):
         self.net.connect(0)
         tap = self.secured("line", "line", "tap")
