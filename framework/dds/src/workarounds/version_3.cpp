@@ -53,12 +53,6 @@ std::uint32_t short_pauses = kFirstAnnouncements;
 Nanoseconds next_pause = kFirstPause;
 thread_local bool sets_pause = false;  // of the announcements
 
-void announce(bool leaves) {
-  using Announce = void(void* discovery, bool has_changed, bool leaves);
-  static Announce* const found = replaced<Announce>(TAKT_RTPS "3PDP24announceParticipantStateEbb");
-  found(discovery, true, leaves);
-}
-
 // Participants that have ended leave their number behind. If there are so many, all are forgotten.
 constexpr std::size_t kMostOld = 4096;
 
@@ -73,48 +67,36 @@ using Follows = bool(void* discovery);
 using Find = void*(void* discovery, const rtps::GuidPrefix_t& participant);
 using Assign = void(void* discovery, void* participant);
 using Found = void(void* discovery, const void* participant, bool is_authenticated);
-using NextPause = void(void* discovery);
+using Announcing = void(void* discovery);
 using SetPause = bool(void* timer, const Duration& pause);
 
-ExchangeKeys* exchange_keys_original() noexcept {
-  static ExchangeKeys* const found = replaced<ExchangeKeys>(EXCHANGE_KEYS);
-  return found;
-}
-Found* found_original() noexcept {
-  static Found* const found = replaced<Found>(FOUND);
-  return found;
-}
-Update* update_original() noexcept {
-  static Update* const found = replaced<Update>(UPDATE);
-  return found;
-}
-Find* find_original() noexcept {
-  static Find* const found =
-      replaced<Find>(TAKT_RTPS "3PDP26get_participant_proxy_dataERKNS1_12GuidPrefix_tE");
-  return found;
-}
-Assign* assign_original() noexcept {
-  static Assign* const found =
+using Begin = bool(void* discovery, void* participant);
+using Announce = void(void* discovery, bool has_changed, bool leaves);
+
+/// The functions of Fast DDS that this file calls or replaces.
+struct Originals {
+  Begin* begin = replaced<Begin>(BEGIN);
+  Announce* announce = replaced<Announce>(TAKT_RTPS "3PDP24announceParticipantStateEbb");
+  ExchangeKeys* exchange_keys = replaced<ExchangeKeys>(EXCHANGE_KEYS);
+  Found* found = replaced<Found>(FOUND);
+  Found* match = replaced<Found>(MATCH);  // the readers and writers of discovery with those of a participant
+  Follows* follows = replaced<Follows>(FOLLOWS);
+  Update* update = replaced<Update>(UPDATE);
+  Find* find = replaced<Find>(TAKT_RTPS "3PDP26get_participant_proxy_dataERKNS1_12GuidPrefix_tE");
+  Assign* assign =
       replaced<Assign>(TAKT_RTPS "9PDPServer21assignRemoteEndpointsEPNS1_20ParticipantProxyDataE");
+  Assign* assign_simply = replaced<Assign>(ASSIGN);
+  Announcing* next_pause = replaced<Announcing>(NEXT_PAUSE);
+  SetPause* set_pause = replaced<SetPause>(SET_PAUSE);
+  Announcing* stop_announcing = replaced<Announcing>(TAKT_RTPS "3PDP27stopParticipantAnnouncementEv");
+  Announcing* restart_announcing = replaced<Announcing>(TAKT_RTPS "3PDP28resetParticipantAnnouncementEv");
+};
+const Originals& originals() noexcept {
+  static const Originals found;
   return found;
 }
-NextPause* next_pause_original() noexcept {
-  static NextPause* const found = replaced<NextPause>(NEXT_PAUSE);
-  return found;
-}
-SetPause* set_pause_original() noexcept {
-  static SetPause* const found = replaced<SetPause>(SET_PAUSE);
-  return found;
-}
-Assign* assign_simply_original() noexcept {
-  static Assign* const found = replaced<Assign>(ASSIGN);
-  return found;
-}
-/// Matches the readers and writers of discovery with those of a participant.
-Found* match() noexcept {
-  static Found* const found = replaced<Found>(MATCH);
-  return found;
-}
+
+void announce(bool leaves) { originals().announce(discovery, true, leaves); }
 
 bool is_old(const wire::ParticipantNumber& participant) {
   const std::lock_guard lock{old_mutex};
@@ -133,13 +115,7 @@ void drop_spent_tokens() noexcept {}
 void prepare_own_announcement(bool follows, bool serves) noexcept {
   follows_others = follows;
   is_server = serves;
-  static_cast<void>(update_original());
-  static_cast<void>(replaced<Follows>(FOLLOWS));
-  static_cast<void>(assign_original());
-  static_cast<void>(find_original());
-  static_cast<void>(next_pause_original());
-  static_cast<void>(set_pause_original());
-  static_cast<void>(assign_simply_original());
+  static_cast<void>(originals());
 }
 // Version 3 asks the transport for the addresses, and announces them also for readers and writers.
 void announce_addresses(fast::DomainParticipant& participant, const std::vector<os::Ipv4>& addresses) {
@@ -150,20 +126,20 @@ void announce_again() {}
 void has_announced(const rtps::GuidPrefix_t& participant) noexcept { changed_client = participant; }
 void follow_client() {
   if (!is_server || !changed_client) return;
-  void* const client = find_original()(discovery, *std::exchange(changed_client, {}));
-  if (client != nullptr) assign_original()(discovery, client);
+  void* const client = originals().find(discovery, *std::exchange(changed_client, {}));
+  if (client != nullptr) originals().assign(discovery, client);
 }
 
 // Sets the pause until the next announcement.
-NextPause set_next_pause asm(NEXT_PAUSE);
+Announcing set_next_pause asm(NEXT_PAUSE);
 void set_next_pause(void* own) {
   sets_pause = true;
-  next_pause_original()(own);
+  originals().next_pause(own);
   sets_pause = false;
 }
 SetPause set_pause asm(SET_PAUSE);
 bool set_pause(void* timer, const Duration& given) {
-  if (!sets_pause) return set_pause_original()(timer, given);
+  if (!sets_pause) return originals().set_pause(timer, given);
   Duration pause = given;
   {
     const std::lock_guard lock{pause_mutex};
@@ -172,7 +148,7 @@ bool set_pause(void* timer, const Duration& given) {
       pause = duration(std::exchange(next_pause, 2 * next_pause));
     }
   }
-  return set_pause_original()(timer, pause);
+  return originals().set_pause(timer, pause);
 }
 
 // Called when this participant has found another one. Fast DDS then announces this participant once, perhaps
@@ -180,7 +156,7 @@ bool set_pause(void* timer, const Duration& given) {
 // is found again after it has left the domain and joined it again (tests/system/interfaces).
 Assign assign_simply asm(ASSIGN);
 void assign_simply(void* own, void* other) {
-  assign_simply_original()(own, other);
+  originals().assign_simply(own, other);
   if (!follows_others) return;  // with DDS Security
   {
     const std::lock_guard lock{pause_mutex};
@@ -188,12 +164,9 @@ void assign_simply(void* own, void* other) {
     short_pauses = kMoreAnnouncements;
     next_pause = kMorePause;
   }
-  using Pause = void(void* discovery);
-  static Pause* const stop = replaced<Pause>(TAKT_RTPS "3PDP27stopParticipantAnnouncementEv");
-  static Pause* const restart = replaced<Pause>(TAKT_RTPS "3PDP28resetParticipantAnnouncementEv");
-  stop(own);
+  originals().stop_announcing(own);
   set_next_pause(own);
-  restart(own);
+  originals().restart_announcing(own);
 }
 
 // Called by set_qos(). A discovery server would announce for ever the addresses that it was given.
@@ -209,19 +182,17 @@ void update_own(void* own, const rtps::RTPSParticipantAttributes& given) {
       announced.push_back(each);
     }
   }
-  update_original()(own, attributes);
+  originals().update(own, attributes);
 }
 
 // Fast DDS asks this when a known participant announces something new.
 Follows follows asm(FOLLOWS);
 bool follows(void*) { return follows_others; }
 
-bool begin_discovery(void* made, void* participant) asm(BEGIN);
+Begin begin_discovery asm(BEGIN);
 bool begin_discovery(void* made, void* participant) {
-  using Begin = bool(void*, void*);
-  static Begin* const original = replaced<Begin>(BEGIN);
   discovery = made;
-  return original(made, participant);
+  return originals().begin(made, participant);
 }
 
 void forget(const wire::ParticipantNumber& participant) {
@@ -247,11 +218,7 @@ void rejoin(PacketFilter& filter, const std::map<wire::ParticipantNumber, std::s
 
 // ---- second_announcement.hpp
 
-void prepare_for_old_members() noexcept {
-  static_cast<void>(exchange_keys_original());
-  static_cast<void>(found_original());
-  static_cast<void>(match());
-}
+void prepare_for_old_members() noexcept { static_cast<void>(originals()); }
 
 void note_member(const wire::ParticipantNumber& participant, bool is_old) {
   const std::lock_guard lock{old_mutex};
@@ -266,7 +233,7 @@ void note_member(const wire::ParticipantNumber& participant, bool is_old) {
 ExchangeKeys exchange_keys asm(EXCHANGE_KEYS);
 bool exchange_keys(void* manager, void* keys, const rtps::GUID_t& other) {
   authenticated = number_in(other.guidPrefix);
-  return exchange_keys_original()(manager, keys, other);
+  return originals().exchange_keys(manager, keys, other);
 }
 
 // Called directly after exchange_keys(), with the data of the announcement. Matches the readers and writers
@@ -275,10 +242,10 @@ bool exchange_keys(void* manager, void* keys, const rtps::GUID_t& other) {
 // sent the announcement without a version, so a member that is not old must be found, too.
 Found found_participant asm(FOUND);
 void found_participant(void* finder, const void* participant, bool is_authenticated) {
-  found_original()(finder, participant, is_authenticated);
+  originals().found(finder, participant, is_authenticated);
   if (!is_authenticated || !is_old(authenticated)) return;
-  found_original()(finder, participant, false);
-  match()(finder, participant, true);
+  originals().found(finder, participant, false);
+  originals().match(finder, participant, true);
 }
 
 // ---- leases.hpp: each sample of a writer with a lease stops and starts a timer
