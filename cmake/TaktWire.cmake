@@ -18,7 +18,7 @@ if(fastdds_FOUND)
   set_target_properties(tinyxml2::tinyxml2 PROPERTIES INTERFACE_COMPILE_DEFINITIONS "")
 else()
   set(TAKT_FASTDDS 2 CACHE INTERNAL "the major version of Fast DDS")
-  find_package(fastrtps 2.9 REQUIRED)
+  find_package(fastrtps 2.9 REQUIRED GLOBAL)
   target_link_libraries(takt_fastdds INTERFACE fastrtps)
 endif()
 target_compile_definitions(takt_fastdds INTERFACE TAKT_FASTDDS=${TAKT_FASTDDS})  # for dds/src/fast_dds.hpp

@@ -12,9 +12,8 @@
 #if TAKT_FASTDDS == 2
 #include <fastdds/rtps/writer/RTPSWriter.h>
 #include <fastrtps/config.h>
-#if FASTRTPS_VERSION_MAJOR != 2 || FASTRTPS_VERSION_MINOR != 9
-#error \
-    "this folder replaces functions of Fast DDS 2.9 and 3.1; for another version, see workarounds/README.md"
+#if FASTRTPS_VERSION_MAJOR != 2 || (FASTRTPS_VERSION_MINOR != 9 && FASTRTPS_VERSION_MINOR != 11)
+#error "this folder replaces functions of Fast DDS 2.9, 2.11 and 3.1; see workarounds/README.md"
 #endif
 /// How the mangled names of functions begin, up to the name of the class.
 #define TAKT_RTPS "_ZN8eprosima8fastrtps4rtps"
