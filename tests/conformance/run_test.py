@@ -150,8 +150,8 @@ class Arguments(unittest.TestCase):
 
     def test_tools_on_rejects_an_unknown_release_and_a_missing_command(self):
         for command, message in (("", "which release? tools/on --help describes the arguments"),
-                                 ("debian11 true", "unknown release 'debian11'; write debian12 or debian13"),
-                                 ("--nonsense debian12 true", "unknown release '--nonsense'; write debian12 or debian13"),
+                                 ("debian11 true", "unknown release 'debian11'; write debian12, debian13 or debian13-arm64"),
+                                 ("--nonsense debian12 true", "unknown release '--nonsense'; write debian12, debian13 or debian13-arm64"),
                                  ("--keep", "a folder must follow --keep"),
                                  ("--keep folder", "which release? tools/on --help describes the arguments"),
                                  ("debian13", "no command for debian13; tools/on --help describes the arguments")):
@@ -162,7 +162,7 @@ class Arguments(unittest.TestCase):
     def test_tools_on_describes_its_arguments(self):
         run = self.run_script("tools/on --help")
         self.assertEqual((0, ""), (run.returncode, run.stderr))
-        self.assertRegex(run.stdout, r"^usage: tools/on \[--keep FOLDER\] debian12\|debian13 COMMAND")
+        self.assertRegex(run.stdout, r"^usage: tools/on \[--keep FOLDER\] debian12\|debian13\|debian13-arm64 COMMAND")
 
 
 if __name__ == "__main__":

@@ -71,9 +71,13 @@ Finding preemption(const Machine& machine, const Trial&) {
                   .why =
                       "while the kernel works for another thread, a real-time thread waits until the kernel "
                       "can be preempted, which may take milliseconds"};
-  const char* const install = "run apt-get install linux-image-rt-amd64, and reboot";
-  const char* const boot =
-      "boot with preempt=full, or better, run apt-get install linux-image-rt-amd64 and reboot";
+#ifdef __aarch64__
+  const std::string kernel = "linux-image-rt-arm64";
+#else
+  const std::string kernel = "linux-image-rt-amd64";
+#endif
+  const std::string install = "run apt-get install " + kernel + ", and reboot";
+  const std::string boot = "boot with preempt=full, or better, run apt-get install " + kernel + " and reboot";
   if (!machine.preemption) {
     finding.severity = Severity::note;
     finding.found += " selects its preemption mode at boot, and the mode cannot be read here";

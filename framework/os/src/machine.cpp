@@ -199,6 +199,7 @@ std::string hypervisor_of(const fs::path& root) {
     flag = std::find(words.begin(), words.end(), "hypervisor") != words.end();
     break;  // the first CPU is enough, because all CPUs have the same flags
   }
+  // ARM processors have no such flag, so no hypervisor is found there.
   if (!flag) return {};
   const std::string product = text_of(root / "sys/class/dmi/id/product_name");
   const std::string vendor = text_of(root / "sys/class/dmi/id/sys_vendor");

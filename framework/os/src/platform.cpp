@@ -34,6 +34,8 @@ Platform describe_platform() {
   Platform platform;
   platform.name = host_name();
   platform.processor = value_of("/proc/cpuinfo", "model name");
+  // ARM processors have no model name. The machine's is better than nothing.
+  if (platform.processor.empty()) platform.processor = text_of("/sys/firmware/devicetree/base/model");
   platform.processors = static_cast<int>(machine.online.size());
   platform.kernel = machine.kernel + " " + machine.version;
   platform.clock_source = machine.clock;
