@@ -141,6 +141,13 @@ class Arguments(unittest.TestCase):
                 self.assertEqual((1, ""), (run.returncode, run.stderr))
                 self.assertIn("installing", run.stdout)
 
+    def test_tools_setup_rejects_other_arguments_before_it_installs_anything(self):
+        shutil.copy(os.path.join(SOURCE, "tools/setup"), self.path("tools/setup"))
+        for command in ("tools/setup --nonsense", "tools/setup --for-tests twice"):
+            with self.subTest(command=command):
+                run = self.run_script(command)
+                self.assertEqual((2, "", "usage: tools/setup [--for-tests]"), (run.returncode, run.stdout, run.stderr.strip()))
+
     def test_tools_build_has_no_options(self):
         for command in ("tools/build --nonsense", "tools/build release --nonsense", "tools/build release takt -j3"):
             with self.subTest(command=command):
