@@ -349,6 +349,17 @@ class Interfaces(Matching):
         self.net.mute("robot", False)
         self.found_again(feed, tap, "robot was mute")
 
+    def test_a_secured_participant_is_found_after_one_with_the_same_port_has_crashed_during_its_authentication(self):
+        self.net.connect(0)
+        feed = self.secured("robot", "robot", "feed")
+        self.net.mute("robot")
+        crashed = self.secured("line", "line", "tap")
+        time.sleep(2)  # robot begins to authenticate it, and goes on after its crash
+        crashed.process.kill()
+        self.net.mute("robot", False)
+        tap = self.secured("line", "line", "tap")
+        self.found_again(feed, tap, "crash")
+
     def test_a_secured_participant_is_found_again_after_a_forged_message_that_it_leaves(self):
         self.net.connect(0)
         tap = self.secured("line", "line", "tap")

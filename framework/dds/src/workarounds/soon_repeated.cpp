@@ -41,6 +41,7 @@
   "19RTPSParticipantImpl12createWriterEPPNS1_10RTPSWriterERNS1_16WriterAttributesEPNS1_13WriterHistoryE" \
   "PNS1_14WriterListenerERKNS1_10EntityId_tEb"
 #define GAPS TAKT_RTPS "14StatefulWriter29add_gaps_for_holes_in_historyERNS1_16RTPSMessageGroupE"
+#define BEGIN_SUBMESSAGE TAKT_RTPS "16RTPSMessageGroup21check_and_maybe_flushERKNS1_12GuidPrefix_tE"
 #endif
 #define ACKNOWLEDGE                                                                              \
   TAKT_RTPS                                                                                      \
@@ -131,6 +132,8 @@ using CreateWriter = bool(void* participant, rtps::RTPSWriter** made, rtps::Writ
 #else
 using CreateWriter = bool(void* participant, rtps::RTPSWriter** made, rtps::WriterAttributes& attributes,
                           void* history, void* listener, const rtps::EntityId_t& id, bool is_builtin);
+using BeginSubmessage = void(void* group, const rtps::GuidPrefix_t& receiver);
+using SendMessage = void(void* group);
 #endif
 using Acknowledge = void(void* reader, const void* writer, const rtps::SequenceNumberSet_t& requested,
                          void* sender, bool is_final);
@@ -146,6 +149,10 @@ using Misses = bool(const void* reader, const rtps::SequenceNumber_t& oldest);
 /// The replaced functions of Fast DDS, and those that are called.
 struct Originals {
   CreateWriter* create_writer = replaced<CreateWriter>(CREATE_WRITER);
+#if TAKT_FASTDDS != 2
+  BeginSubmessage* begin_submessage = replaced<BeginSubmessage>(BEGIN_SUBMESSAGE);
+  SendMessage* send_message = replaced<SendMessage>(TAKT_RTPS "16RTPSMessageGroup15flush_and_resetEv");
+#endif
   Acknowledge* acknowledge = replaced<Acknowledge>(ACKNOWLEDGE);
   AddHeartbeat* add_heartbeat = replaced<AddHeartbeat>(HEARTBEAT);
   AddGaps* add_gaps = replaced<AddGaps>(GAPS);
@@ -257,9 +264,19 @@ void acknowledge(void* reader, const void* writer, const rtps::SequenceNumberSet
 
 #if TAKT_FASTDDS == 2
 // Called only for the timer that repeats a message of an authentication, after twice this time in ms. Such a
-// message has up to 3 kB and costs its receiver up to some milliseconds. Fast DDS 3 has properties for this.
+// message has up to 5 kB and costs its receiver up to some milliseconds. Fast DDS 3 has properties for this.
 double half_of_authentication_period(const void* timer) asm(INTERVAL);
 double half_of_authentication_period(const void*) { return 100; }
+#else
+// Called before Fast DDS composes a submessage. If several messages in a row are for one receiver, version 3
+// names it only in the first one, and another participant that has got its port would join the fragments in
+// the others with those of its own message. So each fragment of an authentication message begins a message.
+BeginSubmessage begin_submessage asm(BEGIN_SUBMESSAGE);
+void begin_submessage(void* group, const rtps::GuidPrefix_t& receiver) {
+  if (message_group(group).from->getGuid().entityId == rtps::participant_stateless_message_writer_entity_id)
+    originals().send_message(group);
+  originals().begin_submessage(group, receiver);
+}
 #endif
 
 }  // namespace takt::dds
