@@ -400,6 +400,8 @@ void OwnParticipant::follow_losses() {
   for (const auto& [participant, at] : losses.due(os::now()))
     filter_->send(wire::loss_report(number_in(participant_->guid().guidPrefix), participant), at);
   for (const wire::ParticipantNumber& participant : losses.take_mutual()) forget(participant);
+  for (const wire::ParticipantNumber& participant : filter_->unauthenticated.remove_expired())
+    forget_silent(participant);
 }
 
 void OwnParticipant::follow_interfaces() {

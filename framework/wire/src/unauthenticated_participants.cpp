@@ -4,12 +4,6 @@
 
 namespace takt::wire {
 
-namespace {
-
-constexpr std::chrono::seconds kLookEvery{1};
-
-}  // namespace
-
 bool UnauthenticatedParticipants::admit(const Announcement& announcement, std::uint32_t address,
                                         Clock::time_point now) {
   if (announcement.of != Announcement::Of::sender || announcement.lease_s == 0 ||
@@ -21,7 +15,6 @@ bool UnauthenticatedParticipants::admit(const Announcement& announcement, std::u
     found->second.until = until;
     return true;
   }
-  remove_expired(now);
   std::size_t& here = unauthenticated_[address];
   if (here >= kOfOneAddress || unauthenticated_total_ >= kInAll) {
     if (here == 0) unauthenticated_.erase(address);
@@ -51,17 +44,16 @@ void UnauthenticatedParticipants::count_authenticated(Known& one) {
   if (const auto here = unauthenticated_.find(one.address); --here->second == 0) unauthenticated_.erase(here);
 }
 
-void UnauthenticatedParticipants::remove_expired(Clock::time_point now) {
-  if (now < looked_ + kLookEvery) return;
-  looked_ = now;
-  for (auto each = known_.begin(); each != known_.end();) {
-    if (each->second.until > now) {
-      ++each;
-      continue;
-    }
-    count_authenticated(each->second);
-    each = known_.erase(each);
+std::vector<ParticipantNumber> UnauthenticatedParticipants::remove_expired(Clock::time_point now) {
+  std::vector<ParticipantNumber> expired;
+  const std::lock_guard lock{mutex_};
+  for (auto& [number, known] : known_) {
+    if (known.until > now) continue;
+    count_authenticated(known);
+    expired.push_back(number);
   }
+  for (const ParticipantNumber& number : expired) known_.erase(number);
+  return expired;
 }
 
 }  // namespace takt::wire

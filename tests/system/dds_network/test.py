@@ -360,6 +360,21 @@ class Interfaces(Matching):
         tap = self.secured("line", "line", "tap")
         self.found_again(feed, tap, "crash")
 
+    def test_a_secured_participant_forgets_one_that_has_crashed_during_its_authentication(self):
+        self.net.connect(0)
+        self.secured("robot", "robot", "feed")
+        self.net.mute("robot")
+        crashed = self.secured("line", "line", "tap")
+        time.sleep(2)  # robot begins to authenticate it
+        crashed.process.kill()
+        self.net.mute("robot", False)
+
+        def is_quiet():
+            before = self.net.packets("robot", 0)
+            time.sleep(2)
+            return self.net.packets("robot", 0) - before < 10  # it still announces itself every second
+        takt_system.wait_until(is_quiet, "the end of the authentication")
+
     def test_a_secured_participant_is_found_again_after_a_forged_message_that_it_leaves(self):
         self.net.connect(0)
         tap = self.secured("line", "line", "tap")

@@ -1,5 +1,8 @@
 #include <takt/wire/unauthenticated_participants.hpp>
 
+#include <algorithm>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace takt::wire::unauthenticated_participants_test {
@@ -68,6 +71,7 @@ TEST_F(UnauthenticatedPeers, KeepTheirSlotForAWhileAfterLeaving) {
   }
   EXPECT_FALSE(admit(10'000, kHere));
   now_ += std::chrono::seconds{UnauthenticatedParticipants::kShortestStay};
+  unauthenticated_.remove_expired(now_);
   EXPECT_TRUE(admit(10'000, kHere));
 }
 
@@ -78,8 +82,13 @@ TEST_F(UnauthenticatedPeers, ExpireWithTheirLease) {
   now_ += 15s;
   EXPECT_TRUE(admit(0, kHere, kLong));
   now_ += 15s;
+  EXPECT_TRUE(unauthenticated_.remove_expired(now_).empty());
   EXPECT_FALSE(admit(10'000, kHere));
   now_ += 1s;
+  unauthenticated_.authenticated(number(1));
+  const std::vector<ParticipantNumber> expired = unauthenticated_.remove_expired(now_);
+  EXPECT_EQ(expired.size(), UnauthenticatedParticipants::kOfOneAddress - 1) << "also the authenticated one";
+  EXPECT_EQ(std::ranges::count(expired, number(0)), 0);
   EXPECT_TRUE(admit(10'000, kHere)) << "all expired except the one that announced itself again";
   for (std::size_t n = 2; n < UnauthenticatedParticipants::kOfOneAddress; ++n)
     EXPECT_TRUE(admit(10'000 + n, kHere)) << n;

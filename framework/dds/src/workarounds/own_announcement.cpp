@@ -127,6 +127,7 @@ void forget(const wire::ParticipantNumber& participant) {
   std::copy(participant.begin(), participant.end(), other.guidPrefix.value);
   forget_one(other);
 }
+void forget_silent(const wire::ParticipantNumber&) {}
 void rejoin(PacketFilter& filter, const std::map<wire::ParticipantNumber, std::string>&, bool also_here) {
   leave_and_join(filter, also_here);
 }

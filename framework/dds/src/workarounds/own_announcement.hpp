@@ -51,6 +51,10 @@ void follow_client();
 /// Makes the participant of this process forget another one, until that one announces itself again. Any
 /// thread but a real-time one may call this function while the participant exists.
 void forget(const wire::ParticipantNumber& participant);
+/// Makes the participant of this process forget another one that has not announced itself for longer than its
+/// lease, in case that Fast DDS does not: version 3 does not before that one has authenticated. Any thread
+/// but a real-time one may call this function while the participant exists.
+void forget_silent(const wire::ParticipantNumber& participant);
 /// Makes the participant of this process forget others and be forgotten by them, and announces it again. For
 /// half a second in between, the process exchanges nothing with them. The listeners report that they are lost
 /// and found again. `also_here`: participants on this machine, too, and not only those on others. Any thread

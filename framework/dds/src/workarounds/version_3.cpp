@@ -1,6 +1,7 @@
 // For Fast DDS 3: what the functions do that other files of this folder define for Fast DDS 2.9. README.md
 // says which defects are left.
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <mutex>
@@ -32,6 +33,10 @@
 #define FOLLOWS TAKT_RTPS "9PDPSimple20updateInfoMatchesEDPEv"
 #define UPDATE TAKT_RTPS "3PDP39local_participant_attributes_update_ntsERKNS1_25RTPSParticipantAttributesE"
 #define FOUND TAKT_RTPS "9PDPSimple26notifyAboveRemoteEndpointsERKNS1_20ParticipantProxyDataEb"
+#define HEAR                                                                                             \
+  TAKT_RTPS                                                                                              \
+  "28PDPSecurityInitiatorListener18process_alive_dataEPNS1_20ParticipantProxyDataERS3_RNS1_6GUID_tEPNS1" \
+  "_10RTPSReaderERSt11unique_lockISt15recursive_mutexE"
 #define MATCH TAKT_RTPS "9PDPSimple33assign_low_level_remote_endpointsERKNS1_20ParticipantProxyDataEb"
 
 namespace takt::dds {
@@ -41,7 +46,8 @@ namespace {
 // See own_announcement.cpp.
 constexpr std::chrono::milliseconds kSilence{500};
 
-void* discovery = nullptr;  // the participant discovery of Fast DDS (PDP)
+void* discovery = nullptr;                                    // the participant discovery of Fast DDS (PDP)
+std::atomic<std::recursive_mutex*> discovery_mutex{nullptr};  // null until somebody has announced itself
 bool follows_others = false;
 bool is_server = false;
 std::vector<os::Ipv4> own_addresses;  // empty until the first change
@@ -66,6 +72,9 @@ using Update = void(void* discovery, const rtps::RTPSParticipantAttributes& attr
 using Follows = bool(void* discovery);
 using Find = void*(void* discovery, const rtps::GuidPrefix_t& participant);
 using Assign = void(void* discovery, void* participant);
+using Add = void*(void* discovery, const rtps::GUID_t& participant, bool with_lease, const void* data);
+using Hear = void(void* listener, void* known, void* announced, rtps::GUID_t& writer, void* reader,
+                  std::unique_lock<std::recursive_mutex>& lock);
 using Found = void(void* discovery, const void* participant, bool is_authenticated);
 using Announcing = void(void* discovery);
 using SetPause = bool(void* timer, const Duration& pause);
@@ -83,6 +92,9 @@ struct Originals {
   Follows* follows = replaced<Follows>(FOLLOWS);
   Update* update = replaced<Update>(UPDATE);
   Find* find = replaced<Find>(TAKT_RTPS "3PDP26get_participant_proxy_dataERKNS1_12GuidPrefix_tE");
+  Add* add = replaced<Add>(TAKT_RTPS
+                           "3PDP26add_participant_proxy_dataERKNS1_6GUID_tEbPKNS1_20ParticipantProxyDataE");
+  Hear* hear = replaced<Hear>(HEAR);
   Assign* assign =
       replaced<Assign>(TAKT_RTPS "9PDPServer21assignRemoteEndpointsEPNS1_20ParticipantProxyDataE");
   Assign* assign_simply = replaced<Assign>(ASSIGN);
@@ -97,6 +109,26 @@ const Originals& originals() noexcept {
 }
 
 void announce(bool leaves) { originals().announce(discovery, true, leaves); }
+
+rtps::GUID_t guid_of(const wire::ParticipantNumber& participant) {
+  rtps::GUID_t guid{{}, rtps::c_EntityId_RTPSParticipant};
+  std::copy(participant.begin(), participant.end(), guid.guidPrefix.value);
+  return guid;
+}
+
+/// The first members of Fast DDS's class ParticipantProxyData.
+struct ParticipantData {
+  const void* functions;
+  rtps::ProtocolVersion_t version;
+  rtps::GUID_t guid;
+  rtps::VendorId_t vendor;
+  rtps::ProductVersion_t product;
+  std::uint32_t domain;
+  bool expects_inline_qos;
+  std::uint32_t endpoints;
+};
+// In `endpoints`: the writers and readers of authentication messages and of keys, in both directions.
+constexpr std::uint32_t kAuthentication = 15U << 22U;
 
 bool is_old(const wire::ParticipantNumber& participant) {
   const std::lock_guard lock{old_mutex};
@@ -196,9 +228,31 @@ bool begin_discovery(void* made, void* participant) {
 }
 
 void forget(const wire::ParticipantNumber& participant) {
-  rtps::GUID_t other{{}, rtps::c_EntityId_RTPSParticipant};
-  std::copy(participant.begin(), participant.end(), other.guidPrefix.value);
-  forget_participant(discovery, other);
+  forget_participant(discovery, guid_of(participant));
+}
+
+// Called for each announcement without encryption, with the lock of discovery.
+Hear hear asm(HEAR);
+void hear(void* listener, void* known, void* announced, rtps::GUID_t& writer, void* reader,
+          std::unique_lock<std::recursive_mutex>& lock) {
+  discovery_mutex = lock.mutex();
+  originals().hear(listener, known, announced, writer, reader, lock);
+}
+
+// Until a participant has authenticated and announced itself again, only the authentication of Fast DDS knows
+// it, and discovery, which forgets participants after their lease, does not. So it gets to know it first.
+void forget_silent(const wire::ParticipantNumber& participant) {
+  std::recursive_mutex* const mutex = discovery_mutex;
+  if (mutex == nullptr) return;
+  const rtps::GUID_t guid = guid_of(participant);
+  {
+    const std::lock_guard lock{*mutex};
+    if (originals().find(discovery, guid.guidPrefix) != nullptr) return;  // it has a lease
+    void* const added = originals().add(discovery, guid, false, nullptr);
+    if (added == nullptr) return;
+    static_cast<ParticipantData*>(added)->endpoints = kAuthentication;
+  }
+  forget_participant(discovery, guid);
 }
 
 void rejoin(PacketFilter& filter, const std::map<wire::ParticipantNumber, std::string>& known,

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <vector>
 
 #include <takt/wire/rtps.hpp>
 
@@ -30,6 +31,9 @@ class UnauthenticatedParticipants {
   /// slot until its lease would expire, because repeated joining and leaving costs as much as staying. Any
   /// thread may call left().
   void left(const ParticipantNumber& number);
+  /// Removes the participants that have not announced themselves for so long that their slot has expired,
+  /// also those that have authenticated, and returns them. Any thread may call remove_expired().
+  std::vector<ParticipantNumber> remove_expired(Clock::time_point now = Clock::now());
 
  private:
   struct Known {
@@ -39,14 +43,12 @@ class UnauthenticatedParticipants {
                               // this
   };
   void count_authenticated(Known& one);
-  void remove_expired(Clock::time_point now);
 
   std::mutex mutex_;
   std::map<ParticipantNumber, Known> known_;
   std::map<std::uint32_t, std::size_t> unauthenticated_;  // number of unauthenticated participants, by
                                                           // address
   std::size_t unauthenticated_total_ = 0;
-  Clock::time_point looked_;
 };
 
 }  // namespace takt::wire
