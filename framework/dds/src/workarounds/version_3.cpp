@@ -184,8 +184,9 @@ bool set_pause(void* timer, const Duration& given) {
 }
 
 // Called when this participant has found another one. Fast DDS then announces this participant once, perhaps
-// before the other one can receive it. With DDS Security, more announcements would prevent that a participant
-// is found again after it has left the domain and joined it again (tests/system/interfaces).
+// before the other one can receive it. With DDS Security there are no more, because one that is sent just
+// when this machine loses an address does harm: a participant that hears it first sends all its
+// authentication messages to this address (tests/system/interfaces).
 Assign assign_simply asm(ASSIGN);
 void assign_simply(void* own, void* other) {
   originals().assign_simply(own, other);
