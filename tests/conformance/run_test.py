@@ -160,16 +160,39 @@ class Arguments(unittest.TestCase):
                                  ("debian11 true", "unknown release 'debian11'; write debian12, debian13 or debian13-arm64"),
                                  ("--nonsense debian12 true", "unknown release '--nonsense'; write debian12, debian13 or debian13-arm64"),
                                  ("--keep", "a folder must follow --keep"),
+                                 ("debian12 --keep folder true",
+                                  "no command begins with '-', as --keep does; options must precede debian12"),
                                  ("--keep folder", "which release? tools/on --help describes the arguments"),
                                  ("debian13", "no command for debian13; tools/on --help describes the arguments")):
             with self.subTest(command=command):
                 run = self.run_script("tools/on " + command)
                 self.assertEqual((2, "", "tools/on: " + message), (run.returncode, run.stdout, run.stderr.strip()))
 
-    def test_tools_on_describes_its_arguments(self):
-        run = self.run_script("tools/on --help")
-        self.assertEqual((0, ""), (run.returncode, run.stderr))
-        self.assertRegex(run.stdout, r"^usage: tools/on \[--keep FOLDER\] debian12\|debian13\|debian13-arm64 COMMAND")
+    def test_tools_on_runs_a_command_only_in_a_folder_that_it_has_made_for_this_release(self):
+        for command in (["init", "-q"], ["add", "."], ["-c", "user.name=x", "-c", "user.email=x", "commit", "-qm", "x"]):
+            subprocess.run(["git", "-C", self.root, *command], check=True)
+        root = self.path("root")
+        os.mkdir(root)
+        run = self.run_script("tools/on --keep %s debian12 true" % root)
+        self.assertEqual((1, "tools/on: tools/on has not made %s; name a folder that does not exist\n" % root),
+                         (run.returncode, run.stderr))
+        os.makedirs(root + "/takt/.git")
+        with open(root + "/takt/.git/system", "w") as file:
+            file.write("debian13\n")
+        for system in ("debian12", "debian13-arm64"):
+            run = self.run_script("tools/on --keep %s %s true" % (root, system))
+            self.assertEqual((1, "tools/on: %s has debian13, not %s; name another folder\n" % (root, system)), (run.returncode, run.stderr))
+
+    def test_each_tool_describes_its_arguments_and_does_nothing_else(self):
+        for name, usage in (("setup", r"\[--for-tests\]"), ("build", r"release\|debug\|asan\|tsan \[TARGET \.\.\.\]"),
+                            ("demo", r"\[--for SECONDS\] \[OPTION \.\.\.\]"), ("test", r"\[--full\] \[CTEST ARGUMENT \.\.\.\]"),
+                            ("on", r"\[--keep FOLDER\] debian12\|debian13\|debian13-arm64 COMMAND")):
+            with self.subTest(tool=name):
+                shutil.copy(os.path.join(SOURCE, "tools", name), self.path("tools/" + name))
+                run = self.run_script("tools/%s --help" % name)
+                self.assertEqual((0, ""), (run.returncode, run.stderr))
+                self.assertRegex(run.stdout, "^usage: tools/%s %s" % (name, usage))
+                self.assertNotRegex(run.stdout, "installing|set -")
 
 
 if __name__ == "__main__":
